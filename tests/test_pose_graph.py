@@ -1,0 +1,273 @@
+"""The solver against independent oracles: SciPy's least squares, dense algebra, hand-solved graphs and statistics."""
+
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.optimize
+import scipy.stats
+from graphs import random_graph
+
+from npslam_teach import datasets, evaluate, pose_graph, se2, simulate
+from npslam_teach.data import BetweenFactors, ObservationFactors, PoseGraph
+
+
+def unpack(graph, x):
+    poses = graph.poses.copy()
+    split = 3 * (len(poses) - 1)
+    poses[1:] = x[:split].reshape(-1, 3)
+    return poses, x[split:].reshape(-1, 2)
+
+
+def whitened_residuals(graph, x):
+    """Written out factor by factor, from the definition, without any of the package's residual functions."""
+    poses, landmarks = unpack(graph, x)
+    out = []
+    for i, j, o, information in zip(
+        graph.between.i,
+        graph.between.j,
+        graph.between.relative_pose,
+        graph.between.information,
+        strict=True,
+    ):
+        c, s = np.cos(poses[i, 2]), np.sin(poses[i, 2])
+        d = poses[j, :2] - poses[i, :2]
+        turn = (poses[j, 2] - poses[i, 2] - o[2] + np.pi) % (2 * np.pi) - np.pi
+        r = np.array([c * d[0] + s * d[1] - o[0], -s * d[0] + c * d[1] - o[1], turn])
+        out.append(np.linalg.cholesky(information).T @ r)
+    obs = graph.observations
+    for p, k, z, information in zip(obs.pose, obs.landmark, obs.xy, obs.information, strict=True):
+        c, s = np.cos(poses[p, 2]), np.sin(poses[p, 2])
+        d = landmarks[k] - poses[p, :2]
+        r = np.array([c * d[0] + s * d[1] - z[0], -s * d[0] + c * d[1] - z[1]])
+        out.append(np.linalg.cholesky(information).T @ r)
+    return np.concatenate(out)
+
+
+def pack(graph):
+    return np.concatenate([graph.poses[1:].ravel(), graph.landmarks.ravel()])
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_solver_agrees_with_scipy_least_squares(seed):
+    graph = random_graph(seed, num_landmarks=seed % 5)
+    oracle = scipy.optimize.least_squares(
+        lambda x: whitened_residuals(graph, x), pack(graph), xtol=1e-15, ftol=1e-15, gtol=1e-15
+    )
+    *_, last = pose_graph.gauss_newton(graph, tolerance=1e-13)
+    assert last.converged
+    assert last.chi2 == pytest.approx(2 * oracle.cost, rel=1e-9)
+    poses, landmarks = unpack(graph, oracle.x)
+    np.testing.assert_allclose(last.graph.poses[:, :2], poses[:, :2], atol=1e-5)
+    np.testing.assert_allclose(last.graph.landmarks, landmarks, atol=1e-5)
+
+
+def test_chi2_is_the_sum_of_squared_whitened_residuals():
+    graph = random_graph(11)
+    assert pose_graph.chi2(graph) == pytest.approx((whitened_residuals(graph, pack(graph)) ** 2).sum(), rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_normal_equations_are_j_transposed_j(seed):
+    graph = random_graph(seed)
+    x, step = pack(graph), 1e-6
+    jacobian = np.column_stack(
+        [
+            (whitened_residuals(graph, x + step * e) - whitened_residuals(graph, x - step * e)) / (2 * step)
+            for e in np.eye(len(x))
+        ]
+    )
+    h, b, chi2 = pose_graph.linearize(graph)
+    r = whitened_residuals(graph, pack(graph))
+    np.testing.assert_allclose(h.toarray(), jacobian.T @ jacobian, rtol=1e-7, atol=1e-6)
+    np.testing.assert_allclose(b, jacobian.T @ r, atol=1e-6)
+    assert chi2 == pytest.approx(r @ r, rel=1e-12)
+    np.testing.assert_allclose(h.toarray(), h.toarray().T, rtol=0, atol=1e-12)
+
+
+def three_pose_graph():
+    """A robot drives 1 m, 1 m, and then recognises that it stands 1.8 m from where it began; headings are known.
+
+    All weights are 1. With x1, x2 free the cost is (x1-1)^2 + (x2-x1-1)^2 + (x2-1.8)^2. Setting both derivatives to
+    zero gives 2 x1 = x2 and x2 - x1 - 1 + x2 - 1.8 = 0, so x2 = 28/15, x1 = 14/15 and every residual is 1/15 in size.
+    """
+    steps = np.array([[1.0, 0, 0], [1.0, 0, 0], [1.8, 0, 0]])
+    factors = BetweenFactors([0, 1, 0], [1, 2, 2], steps, np.tile(np.eye(3), (3, 1, 1)))
+    return PoseGraph(
+        np.zeros((3, 3)), np.zeros((0, 2)), factors, ObservationFactors([], [], np.zeros((0, 2)), np.zeros((0, 2, 2)))
+    )
+
+
+def test_three_poses_solved_by_hand():
+    *_, last = pose_graph.gauss_newton(three_pose_graph())
+    np.testing.assert_allclose(last.graph.poses, [[0, 0, 0], [14 / 15, 0, 0], [28 / 15, 0, 0]], atol=1e-12)
+    assert last.chi2 == pytest.approx(3 / 15**2, rel=1e-12)
+
+
+def test_covariance_of_three_poses_by_hand():
+    """In x alone H is [[2, -1], [-1, 2]], whose inverse is [[2, 1], [1, 2]] / 3."""
+    solved = pose_graph.optimize(three_pose_graph())
+    pose_cov, _ = pose_graph.marginal_covariance(solved, poses=[0, 1, 2])
+    np.testing.assert_array_equal(pose_cov[0], np.zeros((3, 3)))
+    assert pose_cov[1, 0, 0] == pytest.approx(2 / 3)
+    assert pose_cov[2, 0, 0] == pytest.approx(2 / 3)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_marginal_covariance_is_the_inverse_of_h(seed):
+    solved = pose_graph.optimize(random_graph(seed))
+    h, _, _ = pose_graph.linearize(solved)
+    inverse = np.linalg.inv(h.toarray())
+    pose_cov, landmark_cov = pose_graph.marginal_covariance(solved, poses=[5, 0, 2], landmarks=[3, 1])
+    np.testing.assert_allclose(pose_cov[0], inverse[12:15, 12:15], rtol=1e-8, atol=1e-12)
+    np.testing.assert_array_equal(pose_cov[1], 0)
+    np.testing.assert_allclose(pose_cov[2], inverse[3:6, 3:6], rtol=1e-8, atol=1e-12)
+    first = 3 * (len(solved.poses) - 1)
+    np.testing.assert_allclose(landmark_cov[0], inverse[first + 6 : first + 8, first + 6 : first + 8], rtol=1e-8)
+    np.testing.assert_allclose(landmark_cov[1], inverse[first + 2 : first + 4, first + 2 : first + 4], rtol=1e-8)
+
+
+def test_pose_zero_is_the_gauge():
+    graph = random_graph(1)
+    np.testing.assert_array_equal(pose_graph.optimize(graph).poses[0], graph.poses[0])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_moving_the_world_moves_the_answer(seed):
+    graph, motion = random_graph(seed), np.array([10.0, -4.0, 2.2])
+    moved = replace(graph, poses=se2.compose(motion, graph.poses), landmarks=se2.transform_to(motion, graph.landmarks))
+    a, b = pose_graph.optimize(graph, 1e-14), pose_graph.optimize(moved, 1e-14)
+    assert pose_graph.chi2(b) == pytest.approx(pose_graph.chi2(a), rel=1e-9)
+    np.testing.assert_allclose(b.landmarks, se2.transform_to(motion, a.landmarks), atol=1e-6)
+
+
+def test_order_and_names_do_not_matter():
+    graph, rng = random_graph(2), np.random.default_rng(0)
+    f, g = rng.permutation(len(graph.between.i)), rng.permutation(len(graph.observations.pose))
+    name = np.append(0, 1 + rng.permutation(len(graph.poses) - 1))  # pose 0 keeps its name: it is the gauge
+    name_l = rng.permutation(len(graph.landmarks))
+    poses, landmarks = np.empty_like(graph.poses), np.empty_like(graph.landmarks)
+    poses[name], landmarks[name_l] = graph.poses, graph.landmarks
+    b, o = graph.between, graph.observations
+    shuffled = PoseGraph(
+        poses,
+        landmarks,
+        BetweenFactors(name[b.i[f]], name[b.j[f]], b.relative_pose[f], b.information[f]),
+        ObservationFactors(name[o.pose[g]], name_l[o.landmark[g]], o.xy[g], o.information[g]),
+    )
+    first, second = pose_graph.optimize(graph, 1e-14), pose_graph.optimize(shuffled, 1e-14)
+    assert pose_graph.chi2(second) == pytest.approx(pose_graph.chi2(first), rel=1e-9)
+    np.testing.assert_allclose(second.poses[name], first.poses, atol=1e-6)
+    np.testing.assert_allclose(second.landmarks[name_l], first.landmarks, atol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_chi2_never_rises_even_from_a_wild_start(seed):
+    graph = random_graph(seed, start_noise=3.0)
+    values = [step.chi2 for step in pose_graph.gauss_newton(graph)]
+    assert all(after <= before for before, after in zip(values, values[1:], strict=False))
+
+
+def test_a_wild_start_needs_damping_and_gets_it():
+    steps = [s for seed in range(20) for s in pose_graph.gauss_newton(random_graph(seed, start_noise=3.0))]
+    assert any(step.damping > 0 for step in steps)
+
+
+def test_not_converged_is_said():
+    graph = random_graph(3, start_noise=1.0)
+    *_, last = pose_graph.gauss_newton(graph, max_iterations=1)
+    assert not last.converged
+    assert last.status == "iteration limit"
+    with pytest.warns(UserWarning, match="stopped after 1 iterations: iteration limit"):
+        pose_graph.optimize(graph, max_iterations=1)
+
+
+def test_a_perfect_start_is_converged_at_once():
+    graph = random_graph(4, noise=0.0, start_noise=0.0)
+    *_, last = pose_graph.gauss_newton(graph)
+    assert last.converged
+    assert last.iteration == 1
+    assert last.chi2 < 1e-20
+
+
+def test_a_landmark_that_nobody_sees_is_named():
+    graph = random_graph(5)
+    lonely = replace(graph, landmarks=np.vstack([graph.landmarks, [[9.0, 9.0]]]))
+    with pytest.raises(np.linalg.LinAlgError, match="landmark 4 is not tied to pose 0"):
+        pose_graph.optimize(lonely)
+
+
+def test_a_pose_cut_off_from_the_rest_is_named():
+    graph = random_graph(5, num_landmarks=0, num_loops=0)
+    keep = np.arange(len(graph.between.i)) != 6
+    b = graph.between
+    cut = replace(graph, between=BetweenFactors(b.i[keep], b.j[keep], b.relative_pose[keep], b.information[keep]))
+    with pytest.raises(np.linalg.LinAlgError, match="pose 7 is not tied to pose 0"):
+        pose_graph.optimize(cut)
+
+
+def test_a_single_pose_has_nothing_to_solve():
+    empty = BetweenFactors([], [], np.zeros((0, 3)), np.zeros((0, 3, 3)))
+    sightings = ObservationFactors([0, 0], [0, 0], [[1.0, 0.0], [3.0, 0.0]], np.tile(np.eye(2), (2, 1, 1)))
+    solved = pose_graph.optimize(PoseGraph(np.zeros((1, 3)), np.zeros((1, 2)), empty, sightings))
+    np.testing.assert_allclose(solved.landmarks, [[2.0, 0.0]])
+
+
+def test_a_graph_without_unknowns():
+    empty = BetweenFactors([], [], np.zeros((0, 3)), np.zeros((0, 3, 3)))
+    nothing = ObservationFactors([], [], np.zeros((0, 2)), np.zeros((0, 2, 2)))
+    *_, last = pose_graph.gauss_newton(PoseGraph(np.zeros((1, 3)), np.zeros((0, 2)), empty, nothing))
+    assert last.converged
+    assert last.chi2 == 0.0
+
+
+def test_the_graph_that_comes_in_is_left_alone():
+    graph = random_graph(6)
+    poses, landmarks = graph.poses.copy(), graph.landmarks.copy()
+    pose_graph.optimize(graph)
+    np.testing.assert_array_equal(graph.poses, poses)
+    np.testing.assert_array_equal(graph.landmarks, landmarks)
+    with pytest.raises(ValueError, match="read-only"):
+        graph.poses[0, 0] = 1.0
+
+
+def test_the_same_graph_gives_the_same_bits():
+    a, b = pose_graph.optimize(random_graph(7)), pose_graph.optimize(random_graph(7))
+    assert a.poses.tobytes() == b.poses.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"), [("intel", 45.004696), ("manhattan", 3549.0368), ("victoria_park", 6184.1206)]
+)
+def test_standard_graphs_reach_the_published_minimum(data_folder, name, expected):
+    graph = datasets.load_g2o(data_folder / f"{name}.g2o")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert pose_graph.chi2(pose_graph.optimize(graph)) == pytest.approx(expected, rel=2e-8)
+
+
+def test_estimates_are_as_uncertain_as_they_say():
+    """NEES over seeds: the squared error in units of the marginal covariance has its number of entries as mean."""
+    pose_nees, landmark_nees, chi2_values = [], [], []
+    for seed in range(30):
+        log, truth = simulate.fifteen_objects(seed)
+        origin = truth.poses[0]
+        solved = evaluate.true_association_fit(log, truth)
+        seen = np.unique(truth.obs_object)
+        chosen = [200, 500, len(truth.poses) - 1]
+        pose_cov, landmark_cov = pose_graph.marginal_covariance(solved, chosen, np.arange(len(seen)))
+        # The fit starts at the true first pose, so both live in the same frame.
+        np.testing.assert_allclose(solved.poses[0], origin)
+        error = solved.poses[chosen] - truth.poses[chosen]
+        error[:, 2] = se2.wrap(error[:, 2])
+        pose_nees.append([e @ np.linalg.solve(c, e) for e, c in zip(error, pose_cov, strict=True)])
+        error = solved.landmarks - truth.world.object_xy[seen]
+        landmark_nees.append(np.mean([e @ np.linalg.solve(c, e) for e, c in zip(error, landmark_cov, strict=True)]))
+        chi2_values.append(evaluate.chi2_per_dof(solved))
+    # Each pose's sum over independent seeds is chi-squared; three poses are tested, so 99.9% each.
+    for total in np.sum(pose_nees, axis=0):
+        low, high = scipy.stats.chi2.interval(0.999, 3 * 30)
+        assert low < total < high
+    assert np.mean(landmark_nees) == pytest.approx(2.0, abs=0.5)
+    assert np.mean(chi2_values) == pytest.approx(1.0, abs=0.02)

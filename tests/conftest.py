@@ -1,0 +1,60 @@
+"""Fixtures that several test files share."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ORIGINALS = (
+    "mu2016_simulation.mat",
+    "mu2016_stata_office.mat",
+    "intel.g2o",
+    "manhattan.g2o",
+    "victoria_park.g2o",
+)
+
+
+@pytest.fixture(scope="session")
+def data_folder() -> Path:
+    """The folder with the original data: NPSLAM_TEACH_DATA, or shared/data beside the checkout."""
+    beside_the_checkout = Path(__file__).resolve().parents[2] / "shared" / "data"
+    folder = Path(os.environ.get("NPSLAM_TEACH_DATA") or beside_the_checkout)
+    missing = [name for name in ORIGINALS if not (folder / name).is_file()]
+    if missing:
+        pytest.skip(f"the original data are not in {folder} (missing {missing[0]}): set NPSLAM_TEACH_DATA")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def mu2016_path(data_folder) -> Path:
+    """The paper's simulation."""
+    return data_folder / "mu2016_simulation.mat"
+
+
+@pytest.fixture(scope="session")
+def stata_path(data_folder) -> Path:
+    """The paper's office experiment."""
+    return data_folder / "mu2016_stata_office.mat"
+
+
+@pytest.fixture(scope="session")
+def damaged():
+    """A function (bytes, rng) -> bytes: cut short, bytes changed, a piece removed, or a piece repeated."""
+
+    def damage(original: bytes, rng: np.random.Generator) -> bytes:
+        damage = bytearray(original)
+        start, size = int(rng.integers(1, len(original))), int(rng.integers(1, 20))
+        kind = rng.integers(4)
+        if kind == 0:
+            del damage[start:]
+        elif kind == 1:
+            for position in rng.integers(len(original), size=rng.integers(1, 4)):
+                damage[position] = rng.integers(256)
+        elif kind == 2:
+            del damage[start : start + size]
+        else:
+            damage[start:start] = damage[start : start + size]
+        return bytes(damage)
+
+    return damage

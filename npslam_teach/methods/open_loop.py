@@ -1,0 +1,67 @@
+"""Open loop: believe the odometry, and only associate (paper section V.A; deck figure 17).
+
+An observation is compared with every earlier observation of its class, by ``exp(-d^2 / (2 s^2))``; it joins the object
+of the best one if that exceeds the threshold. The trajectory is never corrected, so its drift splits the objects.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from npslam_teach import se2
+from npslam_teach.associate import PAPER_ALPHA, PAPER_KERNEL_STD, Association, association_weights, require_rule
+from npslam_teach.data import RobotLog, Snapshot
+from npslam_teach.methods.common import (
+    PAPER_OBSERVATION_STD,
+    PAPER_ODOMETRY_STD,
+    mean_landmarks,
+    reassociated,
+    snapshot,
+    start,
+)
+
+
+def open_loop(
+    log: RobotLog,
+    threshold: float = 0.9,
+    *,
+    kernel_std: float = PAPER_KERNEL_STD,
+    odometry_std=PAPER_ODOMETRY_STD,
+    observation_std=PAPER_OBSERVATION_STD,
+) -> Iterator[Snapshot]:
+    """Associate along the dead-reckoned trajectory, in the order of the log.
+
+    Args:
+        log: what the robot measured.
+        threshold: the likeness above which an earlier observation is accepted.
+        kernel_std: s, m.
+        odometry_std: (3,) m, m, rad: standard deviations that chi2 is measured with.
+        observation_std: (2,) m.
+
+    Yields:
+        the frame-by-frame start, and the result.
+    """
+    require_rule(PAPER_ALPHA, threshold, kernel_std)
+    first = start(log, odometry_std, observation_std)
+    yield first
+    obs_xy_world = se2.transform_to(first.graph.poses[log.obs_time], log.obs_xy)
+    labels = join_earlier_observations(obs_xy_world, log.obs_class, threshold, kernel_std)
+    association = Association(labels, mean_landmarks(labels, obs_xy_world))
+    graph = reassociated(log, first.graph, association, observation_std)
+    yield snapshot(log, 1, labels, graph, PAPER_ALPHA)
+
+
+def join_earlier_observations(
+    obs_xy_world: np.ndarray, obs_class: np.ndarray, threshold: float, kernel_std: float
+) -> np.ndarray:
+    """The object of each observation: that of the most alike earlier one, or a new one; (M,)."""
+    labels, num_objects = np.empty(len(obs_class), dtype=int), 0
+    for k in range(len(obs_class)):
+        distance = np.linalg.norm(obs_xy_world[:k] - obs_xy_world[k], axis=1)
+        likeness = association_weights(obs_class[:k] == obs_class[k], distance, kernel_std)
+        if likeness.max(initial=0.0) > threshold:
+            labels[k] = labels[np.argmax(likeness)]
+        else:
+            labels[k] = num_objects
+            num_objects += 1
+    return labels

@@ -1,0 +1,170 @@
+"""What each command of the command line does. Every function takes the parsed options and returns an exit code."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from npslam_teach import reports
+
+ROOT = Path(__file__).absolute().parent.parent
+NOTEBOOKS = ROOT / "notebooks"
+
+
+def lab(options) -> int:
+    """Open JupyterLab on the first notebook: on the loopback address, with Jupyter's own token."""
+    first = NOTEBOOKS / "00_start_here.ipynb"
+    _require_checkout(first)
+    arguments = ["jupyterlab", str(first), "--ServerApp.ip=127.0.0.1"]
+    if options.port is not None:
+        arguments += [f"--ServerApp.port={options.port}", "--ServerApp.port_retries=0"]
+    if options.no_browser:
+        arguments += ["--no-browser"]
+    return _run_module(arguments)
+
+
+def test(options) -> int:
+    """Run pytest on the library's tests and, with nbval, on every notebook."""
+    _require_checkout(ROOT / "tests")
+    own = options.extra or ["tests", "notebooks"]
+    sanitize = f"--nbval-sanitize-with={ROOT / 'tests' / 'nbval_sanitize.cfg'}"
+    notebooks = ["--nbval", "--nbval-current-env", "--nbval-cell-timeout=120", sanitize]
+    workers = ["-n", str(min(os.cpu_count() or 1, 8)), "--dist", "loadscope"]
+    return _run_module(["pytest", *workers, *notebooks, *own])
+
+
+def solve(options) -> int:
+    """Run one method on a log and tell what it found."""
+    import numpy as np
+
+    from npslam_teach import datasets, simulate
+
+    settings = _settings(options.method, alpha=options.alpha, threshold=options.threshold)
+    write = _writer(options.out, (".json", ".g2o"))
+    log, truth = datasets.load_log(options.log)
+    if options.noise != 0:
+        log = simulate.add_noise(log, options.noise, np.random.default_rng(options.seed))
+    run = reports.run_method(options.method, log, settings)
+    result = reports.solve_result(run, truth)
+    write(result, run.snapshots[-1].graph)
+    _print(result if options.json else reports.solve_text(result), options.json)
+    return 0
+
+
+def reproduce(options) -> int:
+    """Run the paper's simulation once or over many seeds, with every method."""
+    from npslam_teach import reproduction
+
+    folder = _folder(options.figures)
+    first_seed = options.first_seed
+    if first_seed is None:
+        first_seed = 2016 if options.data is None and options.seeds == 1 else 0
+    seeds = range(first_seed, first_seed + options.seeds)
+    scenes = reproduction.scenes(options.data, options.noise, seeds)
+    result, first, runs = reproduction.run_all(scenes, options.methods, options.iterations, len(seeds))
+    _print(result if options.json else reproduction.text(result), options.json)
+    if folder is not None:
+        from npslam_teach import figures as drawing
+
+        snapshots = {method: run.snapshots for method, run in runs.items()}
+        drawing.draw_simulation(drawing.Comparison(first.log, first.truth, snapshots), folder)
+    return 0
+
+
+def optimize(options) -> int:
+    """Solve a pose graph read from a file; the seconds are those from arrays to solution."""
+    from npslam_teach import datasets, pose_graph
+
+    write = _writer(options.out, (".g2o",))
+    graph = datasets.load_g2o(options.graph)
+    seconds = []
+    for _ in range(options.repeat):
+        begin = time.perf_counter()
+        with datasets.naming(options.graph):
+            steps = list(pose_graph.gauss_newton(graph))
+        seconds.append(time.perf_counter() - begin)
+    result = reports.optimize_result(steps, seconds if options.repeat > 1 else seconds[0])
+    write(result, steps[-1].graph)
+    _print(result if options.json else reports.optimize_text(result), options.json)
+    return 0
+
+
+def figures(options) -> int:
+    """Draw every figure of the course anew."""
+    from npslam_teach import figures as drawing
+
+    folder = _folder(options.out or str(ROOT / "figures"))
+    drawing.draw_all(folder)
+    print(f"figures: {folder}")
+    return 0
+
+
+def _settings(method: str, **wanted) -> dict:
+    """The settings that were given; fails in one sentence where the method has no such thing."""
+    import inspect
+
+    from npslam_teach.methods import METHODS
+
+    known = inspect.signature(METHODS[method]).parameters
+    given = {name: value for name, value in wanted.items() if value is not None}
+    for name, value in given.items():
+        if name not in known:
+            raise ValueError(f"--{name}: expected a method that has it, got {method} (and --{name} {value:g})")
+    return given
+
+
+def _writer(out: str | None, suffixes: tuple):
+    """A function that writes the result where ``--out`` says; a bad name is refused before any work is done."""
+    from npslam_teach import datasets
+
+    if out is None:
+        return lambda result, graph: None
+    suffix = Path(out).suffix.lower()
+    if suffix not in suffixes:
+        raise ValueError(f"--out {out}: expected a name that ends in {' or '.join(suffixes)}, got {suffix!r}")
+    if not Path(out).absolute().parent.is_dir():
+        raise FileNotFoundError(f"--out {out}: expected a folder to write into, found none")
+
+    def write(result: dict, graph) -> None:
+        if suffix == ".g2o":
+            datasets.save_g2o(out, graph)
+        else:
+            with datasets.atomic_write(out) as stream:
+                stream.write(json.dumps(reports.plain(result), allow_nan=False))
+
+    return write
+
+
+def _folder(name: str | None) -> Path | None:
+    """The folder to draw into, made if need be."""
+    if name is None:
+        return None
+    folder = Path(name)
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def _print(result, as_json: bool) -> None:
+    print(json.dumps(reports.plain(result), allow_nan=False) if as_json else result)
+
+
+def _require_checkout(path: Path) -> None:
+    if not path.exists():
+        raise FileNotFoundError(
+            f"{path}: expected the course's folder; this command works from a copy of the repository"
+        )
+
+
+def _run_module(arguments: list[str]) -> int:
+    """Run ``python -m`` on this interpreter; Ctrl-C is the child's to answer."""
+    environment = dict(os.environ)
+    # Kernels start in the folder of their notebook and must find the package from there.
+    environment["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), environment.get("PYTHONPATH")]))
+    with subprocess.Popen([sys.executable, "-m", *arguments], cwd=ROOT, env=environment) as child:
+        while True:
+            try:
+                return child.wait()
+            except KeyboardInterrupt:
+                continue

@@ -1,0 +1,137 @@
+"""The architecture, enforced by reading the imports: who may know whom, and what it costs to import the package."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import npslam_teach
+
+PACKAGE = Path(npslam_teach.__file__).parent
+SOURCES = {".".join(path.relative_to(PACKAGE).with_suffix("").parts): path for path in sorted(PACKAGE.rglob("*.py"))}
+DRAWING = {"plotting", "style", "maps", "panels", "pictures", "widgets"}  # may import matplotlib at the top
+ESTIMATORS = {"associate", "pose_graph", "residuals", "sparse", "dirichlet", "se2", "data"} | {
+    name for name in SOURCES if name.startswith("methods")
+}
+
+
+def imported(name, top_level_only=False):
+    """Modules that a file imports: our own by their name inside the package, others by their first word."""
+    tree = ast.parse(SOURCES[name].read_text(encoding="utf-8"))
+    nodes = tree.body if top_level_only else ast.walk(tree)
+    found = set()
+    for node in nodes:
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{name}: relative import; the package uses absolute ones throughout"
+            if node.module == "npslam_teach":
+                found |= {f"npslam_teach.{alias.name}" for alias in node.names}
+            else:
+                found.add(node.module)
+    ours = {module.removeprefix("npslam_teach.") for module in found if module.startswith("npslam_teach.")}
+    others = {module.split(".")[0] for module in found if not module.startswith("npslam_teach")}
+    return ours & (set(SOURCES) | {"methods"}), others
+
+
+def test_the_graph_of_imports_is_acyclic():
+    edges = {name: imported(name)[0] - {name} for name in SOURCES if name not in ("__init__", "__main__")}
+    edges["methods"] = edges.pop("methods.__init__")
+    done, path = set(), []
+
+    def visit(name):
+        assert name not in path, f"a circle of imports: {' -> '.join([*path[path.index(name) :], name])}"
+        if name in done:
+            return
+        path.append(name)
+        for other in sorted(edges.get(name, ())):
+            visit(other)
+        path.pop()
+        done.add(name)
+
+    for name in sorted(edges):
+        visit(name)
+
+
+@pytest.mark.parametrize("name", sorted(SOURCES))
+def test_matplotlib_and_ipywidgets_stay_where_they_belong(name):
+    _, others = imported(name)
+    if name not in DRAWING:
+        assert "matplotlib" not in others
+    if name != "widgets":
+        assert "ipywidgets" not in others
+
+
+@pytest.mark.parametrize("name", sorted(SOURCES))
+def test_scipy_is_imported_only_where_it_is_used(name):
+    """`import scipy.sparse.linalg` costs a quarter of a second; whoever only reads a log must not pay it."""
+    _, others = imported(name, top_level_only=True)
+    assert not others & {"scipy", "tqdm", "pooch"}
+
+
+@pytest.mark.parametrize("name", sorted(ESTIMATORS))
+def test_no_estimator_knows_the_simulator_or_the_truth(name):
+    ours, _ = imported(name)
+    assert not ours & {"simulate", "evaluate", "reports", "reproduction", "plotting"}
+    if name != "data":
+        names = {node.id for node in ast.walk(ast.parse(SOURCES[name].read_text())) if isinstance(node, ast.Name)}
+        assert "GroundTruth" not in names
+
+
+def test_nobody_unpickles_or_evaluates():
+    for name, path in SOURCES.items():
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.keyword) and node.arg == "allow_pickle":
+                assert isinstance(node.value, ast.Constant) and node.value.value is False, name
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+                assert node.func.id not in ("eval", "exec"), name
+
+
+def test_modules_and_functions_keep_their_promise_of_size():
+    """About 250 lines a module, about 25 lines of body a function."""
+    for name, path in SOURCES.items():
+        text = path.read_text(encoding="utf-8")
+        assert len(text.splitlines()) <= 275, name
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.FunctionDef):
+                body = [entry for entry in node.body if not _is_docstring(entry)]
+                lines = body[-1].end_lineno - body[0].lineno + 1 if body else 0
+                assert lines <= 30, f"{name}.{node.name} has {lines} lines"
+
+
+def _is_docstring(node):
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+
+
+def run_python(code):
+    """What a fresh interpreter prints."""
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+
+
+def test_importing_the_package_loads_nothing_heavy():
+    """Its cost is the cost of what it drags along; names are loaded on first use."""
+    code = "import sys, npslam_teach; print(*(set(sys.modules) & {'numpy', 'scipy', 'matplotlib', 'ipywidgets'}))"
+    assert run_python(code).strip() == ""
+
+
+def test_a_log_is_read_and_simulated_without_scipy_or_matplotlib():
+    code = (
+        "import sys, npslam_teach as nt; nt.fifteen_objects(); nt.datasets.load_log;"
+        "print(*(set(sys.modules) & {'scipy', 'matplotlib', 'ipywidgets'}))"
+    )
+    assert run_python(code).strip() == ""
+
+
+def test_every_public_name_is_there():
+    for name in npslam_teach.__all__:
+        assert getattr(npslam_teach, name) is not None
+        assert name in dir(npslam_teach)
+    with pytest.raises(AttributeError, match="no_such_thing"):
+        npslam_teach.no_such_thing  # noqa: B018
+
+
+def test_modules_are_reachable_from_the_package():
+    assert npslam_teach.evaluate.evaluate
+    assert npslam_teach.se2.wrap

@@ -11,7 +11,7 @@ import numpy as np
 from npslam_teach import se2
 from npslam_teach.associate import without_empty_objects
 from npslam_teach.data import GroundTruth, PoseGraph, RobotLog, Snapshot
-from npslam_teach.methods.common import observation_factors, odometry_factors
+from npslam_teach.methods.common import mean_landmarks, observation_factors, odometry_factors
 from npslam_teach.pose_graph import chi2, optimize
 
 
@@ -60,7 +60,7 @@ def evaluate(snapshot: Snapshot, truth: GroundTruth, log: RobotLog) -> Metrics:
         v_measure=v_measure,
         observations_used=num_used / max(log.num_observations, 1),
         num_observations_used=num_used,
-        chi2_per_dof=chi2_per_dof(sensor_fit(log, snapshot.labels, snapshot.graph)),
+        chi2_per_dof=chi2_per_dof(sensor_fit(log, snapshot.labels, snapshot.graph.poses)),
     )
 
 
@@ -79,18 +79,19 @@ def distances_to_truth(snapshot: Snapshot, truth: GroundTruth) -> tuple[np.ndarr
     return pose_errors, np.linalg.norm(landmarks[snapshot.labels[used]] - true_xy, axis=1)
 
 
-def sensor_fit(log: RobotLog, labels: np.ndarray, start: PoseGraph) -> PoseGraph:
+def sensor_fit(log: RobotLog, labels: np.ndarray, poses: np.ndarray) -> PoseGraph:
     """The best fit to the log, at the noise of its own sensors, that given associations allow.
 
     Args:
         log: what was measured.
-        labels: (M,) index of the object; -1 leaves the observation out.
-        start: any graph with these objects, from which the solver sets out.
+        labels: (M,) index of the object, from 0 without gaps; -1 leaves the observation out.
+        poses: (T, 3) W, from which the solver sets out.
     """
+    obs_xy_world = se2.transform_to(poses[log.obs_time], log.obs_xy)
     return optimize(
         PoseGraph(
-            start.poses,
-            start.landmarks,
+            poses,
+            mean_landmarks(labels, obs_xy_world),
             odometry_factors(log, log.odometry_std),
             observation_factors(log, labels, log.observation_std),
         )
@@ -98,15 +99,12 @@ def sensor_fit(log: RobotLog, labels: np.ndarray, start: PoseGraph) -> PoseGraph
 
 
 def true_association_fit(log: RobotLog, truth: GroundTruth) -> PoseGraph:
-    """The pose graph that somebody who knows every identity would get: the best any method can do with this log."""
-    association = without_empty_objects(truth.obs_object, truth.world.object_xy)
-    start = PoseGraph(
-        truth.poses,
-        association.landmarks,
-        odometry_factors(log, log.odometry_std),
-        observation_factors(log, association.labels, log.observation_std),
-    )
-    return optimize(start)
+    """The pose graph that somebody who knows every identity would get: the best any method can do with this log.
+
+    Its objects are those that were seen, in the order of the world; it starts at the true first pose.
+    """
+    labels = without_empty_objects(truth.obs_object, truth.world.object_xy).labels
+    return sensor_fit(log, labels, truth.poses)
 
 
 def chi2_per_dof(graph: PoseGraph) -> float:

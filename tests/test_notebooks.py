@@ -1,0 +1,141 @@
+"""What nbval cannot see: that lessons were executed, read well, keep their promises of size, and run on real data.
+
+nbval itself compares the committed outputs; it passes a stripped notebook and a changed picture in silence.
+"""
+
+import ast
+import re
+from pathlib import Path
+
+import nbformat
+import pytest
+from execute_notebooks import execute, tidy
+
+ROOT = Path(__file__).parent.parent
+NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+IMAGE = re.compile(r"!\[([^\]]*)\]\(([^)]+)\)")
+LINK = re.compile(r"(?<!!)\[[^\]]+\]\(([^)]+)\)")
+
+
+@pytest.fixture(params=NOTEBOOKS, ids=lambda path: path.stem)
+def path(request):
+    return request.param
+
+
+@pytest.fixture
+def notebook(path):
+    return nbformat.read(path, as_version=4)
+
+
+def code_cells(notebook):
+    return [cell for cell in notebook.cells if cell.cell_type == "code"]
+
+
+def text_cells(notebook):
+    return [cell for cell in notebook.cells if cell.cell_type == "markdown"]
+
+
+def test_there_are_lessons():
+    assert {path.stem for path in NOTEBOOKS} >= {"00_start_here", "07_fifteen_objects"}
+
+
+def test_every_code_cell_was_executed_once_from_top_to_bottom(notebook):
+    counts = [cell.execution_count for cell in code_cells(notebook)]
+    assert counts == list(range(1, len(counts) + 1))
+
+
+def test_no_output_is_an_error_or_a_warning(notebook):
+    for cell in code_cells(notebook):
+        for output in cell.outputs:
+            assert output.output_type != "error"
+            assert output.get("name") != "stderr"
+
+
+def test_the_committed_file_is_tidy(notebook, path):
+    """No widget state, time stamps or editor's metadata: they change from run to run."""
+    nbformat.validate(notebook)
+    tidied = tidy(nbformat.read(path, as_version=4))
+    assert notebook == tidied
+
+
+def test_the_first_cell_asks_and_promises(notebook):
+    first = notebook.cells[0].source
+    assert re.match(r"# .+\?\n", first), "the title asks a question"
+    assert IMAGE.search(first), "one picture"
+    for promise in ("What you'll do:", "What you'll learn:", "What you need:", "Time:"):
+        assert promise in first
+
+
+def test_the_last_cell_sums_up(notebook):
+    last = notebook.cells[-1].source
+    summary = last.split("## Summary")[1]
+    assert len(re.findall(r"^- ", summary, re.MULTILINE)) == 3
+    assert "**Assumed here:**" in summary
+    assert "**Next question:**" in summary
+
+
+def test_size(notebook):
+    assert 20 <= len(notebook.cells) <= 36
+    lengths = [len(cell.source.splitlines()) for cell in code_cells(notebook)]
+    assert max(lengths) <= 15
+    assert sum(length <= 8 for length in lengths) >= 0.7 * len(lengths)
+
+
+def test_predictions_are_asked_for(notebook):
+    assert sum("**Predict" in cell.source for cell in text_cells(notebook)) >= 3
+
+
+def test_every_picture_has_a_text_for_those_who_cannot_see_it(notebook):
+    pictures = 0
+    for cell in notebook.cells:
+        for alt, _ in IMAGE.findall(cell.source) if cell.cell_type == "markdown" else []:
+            pictures += 1
+            assert len(alt) > 20
+        for output in cell.get("outputs", []):
+            assert not any(kind.startswith("image/") for kind in output.get("data", {})), "show it with plotting.show"
+            for tag in re.findall(r"<img [^>]*", output.get("data", {}).get("text/html", "")):
+                pictures += 1
+                assert len(re.search(r'alt="([^"]*)"', tag).group(1)) > 20
+    assert pictures >= 2
+
+
+def test_links_and_pictures_lead_somewhere(notebook, path):
+    for cell in text_cells(notebook):
+        targets = LINK.findall(cell.source) + [target for _, target in IMAGE.findall(cell.source)]
+        for target in targets:
+            if not re.match(r"https?://|#", target):
+                assert (path.parent / target).exists(), target
+
+
+def test_plain_words(notebook):
+    for cell in text_cells(notebook):
+        assert not re.search(r"\b(simply|obviously|trivial(ly)?|of course)\b", cell.source, re.IGNORECASE)
+
+
+def test_no_cell_switches_backends_or_hides_errors(notebook):
+    for cell in code_cells(notebook):
+        assert "%" not in [line[:1] for line in cell.source.splitlines()], "magic commands differ between front ends"
+        for node in ast.walk(ast.parse(cell.source)):
+            assert not isinstance(node, ast.Try)
+
+
+def test_committed_outputs_do_not_show_the_authors_data(notebook):
+    for cell in code_cells(notebook):
+        if "authors-data" in cell.metadata.get("tags", []):
+            assert cell.outputs == []
+
+
+def test_every_lesson_on_the_authors_data(notebook, path, mu2016_path):
+    """Run with the file in place of None, as a reader does who has fetched it."""
+    tagged = [cell for cell in code_cells(notebook) if "authors-file" in cell.metadata.get("tags", [])]
+    if not tagged:
+        pytest.skip("this lesson does not use the authors' file")
+    for cell in tagged:
+        assert "authors_file = None" in cell.source
+        cell.source = cell.source.replace("authors_file = None", f"authors_file = {str(mu2016_path)!r}")
+    done = execute(notebook, path.parent)
+    shown = [cell.outputs for cell in code_cells(done) if "authors-data" in cell.metadata.get("tags", [])]
+    assert all(shown), "every tagged cell shows something"
+    text = "".join(output.get("text", "") for outputs in shown for output in outputs)
+    assert "766 poses, 1098 sightings, chi2 per dof 1.001" in text
+    assert re.search(r"noise 0\.0: objects \[1098, .*15\]", text)

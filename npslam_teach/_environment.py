@@ -237,8 +237,12 @@ def _try_lock(descriptor: int) -> bool:
 
 
 def start_over(python: Path, arguments: "list[str]") -> None:
-    """Run the command on another interpreter in place of this process, with its exit code and its signals."""
-    command = [str(python), "-m", PACKAGE, *arguments]
+    """Run the course's command on another interpreter in place of this process."""
+    replace_process([str(python), "-m", PACKAGE, *arguments])
+
+
+def replace_process(command: "list[str]") -> None:
+    """Run a command in place of this process, with its exit code and its signals; does not return."""
     if os.name != "nt":
         os.execv(command[0], command)
     # On Windows, exec would leave the command running behind the prompt. Ctrl-C is the child's to answer.

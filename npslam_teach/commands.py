@@ -2,26 +2,30 @@
 
 import json
 import os
-import subprocess
 import sys
 import time
 from pathlib import Path
 
 from npslam_teach import reports
+from npslam_teach._environment import replace_process
 
 ROOT = Path(__file__).absolute().parent.parent
-NOTEBOOKS = ROOT / "notebooks"
 
 
 def lab(options) -> int:
     """Open JupyterLab on the first notebook: on the loopback address, with Jupyter's own token."""
-    first = NOTEBOOKS / "00_start_here.ipynb"
-    _require_checkout(first)
-    arguments = ["jupyterlab", str(first), "--ServerApp.ip=127.0.0.1"]
+    first = "notebooks/00_start_here.ipynb"
+    _require_checkout(ROOT / first)
+    # The root is the whole course: lessons show pictures from the folder beside theirs.
+    arguments = ["jupyterlab", "--ServerApp.ip=127.0.0.1", f"--ServerApp.root_dir={ROOT}"]
+    arguments += [f"--LabApp.default_url=/lab/tree/{first}"]
     if options.port is not None:
         arguments += [f"--ServerApp.port={options.port}", "--ServerApp.port_retries=0"]
     if options.no_browser:
         arguments += ["--no-browser"]
+    if hasattr(os, "geteuid") and os.geteuid() == 0:
+        # In a container everybody is root, and Jupyter would refuse; it still listens on this machine only.
+        arguments += ["--allow-root"]
     return _run_module(arguments)
 
 
@@ -158,13 +162,8 @@ def _require_checkout(path: Path) -> None:
 
 
 def _run_module(arguments: list[str]) -> int:
-    """Run ``python -m`` on this interpreter; Ctrl-C is the child's to answer."""
-    environment = dict(os.environ)
+    """Run ``python -m`` on this interpreter, in the course's folder, in place of this process."""
     # Kernels start in the folder of their notebook and must find the package from there.
-    environment["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), environment.get("PYTHONPATH")]))
-    with subprocess.Popen([sys.executable, "-m", *arguments], cwd=ROOT, env=environment) as child:
-        while True:
-            try:
-                return child.wait()
-            except KeyboardInterrupt:
-                continue
+    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
+    os.chdir(ROOT)
+    return replace_process([sys.executable, "-m", *arguments])

@@ -24,6 +24,7 @@ _HOME_OF = {
     "Snapshot": "data",
     "simulate_run": "simulate",
     "fifteen_objects": "simulate",
+    "toy_objects": "simulate",
     "add_noise": "simulate",
     "load_log": "datasets",
     "save_log": "datasets",
@@ -47,7 +48,8 @@ _HOME_OF = {
     "robust_slam": "methods",
 }
 _MODULES = (
-    "associate data datasets dirichlet evaluate figures methods plotting pose_graph residuals se2 simulate sparse"
+    "associate checks data datasets dirichlet evaluate figures methods plotting pose_graph residuals se2 simulate "
+    "sparse widgets"
 ).split()
 
 __all__ = sorted(_HOME_OF)

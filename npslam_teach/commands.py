@@ -70,7 +70,7 @@ def reproduce(options) -> int:
     result, first, runs = reproduction.run_all(scenes, options.methods, options.iterations, len(seeds))
     _print(result if options.json else reproduction.text(result), options.json)
     if folder is not None:
-        from npslam_teach import figures as drawing
+        from npslam_teach.figures import simulation as drawing
 
         snapshots = {method: run.snapshots for method, run in runs.items()}
         drawing.draw_simulation(drawing.Comparison(first.log, first.truth, snapshots), folder)

@@ -1,6 +1,7 @@
 """The figure files: all there, described, and the same bytes every time."""
 
 from npslam_teach import cli, figures, simulate
+from npslam_teach.figures import simulation
 
 
 def test_the_command_draws_everything_twice_alike(tmp_path, capsys):
@@ -8,14 +9,14 @@ def test_the_command_draws_everything_twice_alike(tmp_path, capsys):
         assert cli.main(["figures", "--out", str(tmp_path / name)]) == 0
     first, second = ({p.name: p.read_bytes() for p in (tmp_path / n).iterdir()} for n in ("first", "second"))
     assert first == second
-    expected = {f"{entry.name}.{suffix}" for entry in figures.SIMULATION for suffix in ("png", "svg")}
+    expected = {f"{entry.name}.{suffix}" for entry in figures.FIGURES for suffix in ("png", "svg")}
     assert set(first) == expected | {"README.md"}
 
 
 def test_the_index_describes_every_figure(tmp_path):
     figures.draw_all(tmp_path)
     index = (tmp_path / "README.md").read_text(encoding="utf-8")
-    for entry in figures.SIMULATION:
+    for entry in figures.FIGURES:
         assert f"![{entry.alt}]({entry.name}.png)" in index
 
 
@@ -24,12 +25,12 @@ def test_the_committed_figures_are_those_of_the_code():
     from npslam_teach.commands import ROOT
 
     committed = {path.name for path in (ROOT / "figures").iterdir()}
-    assert committed == {f"{e.name}.{suffix}" for e in figures.SIMULATION for suffix in ("png", "svg")} | {"README.md"}
+    assert committed == {f"{e.name}.{suffix}" for e in figures.FIGURES for suffix in ("png", "svg")} | {"README.md"}
 
 
 def test_alternative_texts_say_something():
-    assert all(len(entry.alt) > 60 for entry in figures.SIMULATION)
-    assert len({entry.alt for entry in figures.SIMULATION}) == len(figures.SIMULATION)
+    assert all(len(entry.alt) > 60 for entry in figures.FIGURES)
+    assert len({entry.alt for entry in figures.FIGURES}) == len(figures.FIGURES)
 
 
 def test_reproduce_draws_the_figures_of_its_own_run(tmp_path, capsys):
@@ -43,6 +44,6 @@ def test_reproduce_draws_the_figures_of_its_own_run(tmp_path, capsys):
 def test_numbers_in_the_alternative_texts_are_true():
     _, truth = simulate.fifteen_objects()
     assert len(truth.world.object_xy) == 15
-    comparison = figures.compare(*simulate.fifteen_objects())
+    comparison = simulation.compare(*simulate.fifteen_objects())
     assert comparison.last["np-graph"].num_objects == 15
     assert comparison.last["robust-slam"].num_objects == 5

@@ -17,10 +17,11 @@ from matplotlib.legend import Legend
 from matplotlib.markers import MarkerStyle
 from PIL import Image
 
-from npslam_teach import plotting, style
+from npslam_teach import plotting
 from npslam_teach.data import GroundTruth, ObservationFactors, RobotLog, Snapshot, World
 from npslam_teach.evaluate import evaluate
 from npslam_teach.methods import METHODS
+from npslam_teach.plotting import style
 from npslam_teach.simulate import fifteen_objects
 
 # --- the scenes ------------------------------------------------------------------------------------------------------
@@ -720,7 +721,7 @@ def test_animation_keeps_its_axes_still_while_the_estimate_moves(gif):
 def test_animation_shows_everything_in_every_frame(monkeypatch):
     log = RobotLog([[1, 0, 0]], [0, 1, 1], [[9, 0], [8, 0.1], [0, 7]], [0, 0, 0], 1, [0.1] * 3, [0.1] * 2)
     truth = GroundTruth(World([[9, 0], [1, 7], [-5, -5]], [0, 0, 0], ["a"]), [[0, 0, 0], [1, 0, 0]], [0, 0, 1])
-    monkeypatch.setattr("npslam_teach.panels.gif_bytes", lambda figures, durations: figures)
+    monkeypatch.setattr("npslam_teach.plotting.panels.gif_bytes", lambda figures, durations: figures)
     snapshots = list(METHODS["np-graph"](log))
     moved = replace(snapshots[-1], graph=replace(snapshots[-1].graph, landmarks=[[-20.0, 0.0], [1.0, 30.0]]))
     maps = [panels(figure)[0] for figure in plotting.animate([*snapshots, moved], log, truth)]

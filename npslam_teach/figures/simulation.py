@@ -1,15 +1,12 @@
-"""Every figure file of the course: what it is called, what it shows and how it is drawn.
+"""Deck figures 14 to 17: the paper's simulation with every method."""
 
-The numbers are those of the deck that the course replaces.
-"""
-
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache, partial
 from pathlib import Path
 
-from npslam_teach import plotting
+from npslam_teach import plotting, simulate
 from npslam_teach.data import GroundTruth, RobotLog, Snapshot
-from npslam_teach.files import atomic_write
+from npslam_teach.figures.files import FigureFile, draw_files
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,15 +21,6 @@ class Comparison:
     def last(self) -> dict[str, Snapshot]:
         """The result of each method."""
         return {name: snapshots[-1] for name, snapshots in self.runs.items()}
-
-
-@dataclass(frozen=True)
-class FigureFile:
-    """A figure, its file name without suffix, and its alternative text."""
-
-    name: str
-    alt: str
-    draw: Callable
 
 
 def truth_figure(comparison: Comparison):
@@ -69,37 +57,32 @@ def errors_figure(comparison: Comparison):
     return figure
 
 
-SIMULATION = (
-    FigureFile(
+TEXTS = {
+    truth_figure: (
         "fig14_simulation_ground_truth",
         "Map of the simulated room: the closed path of the robot and 15 objects of five classes.",
-        truth_figure,
     ),
-    FigureFile(
+    start_figure: (
         "fig15_simulation_frame_by_frame",
         "Map before any association: every sighting is drawn as an object of its own, in smeared clouds around each "
         "true object, and the estimated path has drifted from the true one.",
-        start_figure,
     ),
-    FigureFile(
+    iterations_figure: (
         "fig16_simulation_iterations",
         "The same map after each iteration of the paper's method: the clouds shrink to a few objects and then to one "
         "per true object, while the path moves onto the true path.",
-        iterations_figure,
     ),
-    FigureFile(
+    methods_figure: (
         "fig17_simulation_methods",
         "Four maps side by side: the NP-graph lies on the truth; robust SLAM keeps one object per class; open loop and "
         "frame by frame keep the drifted path with far too many objects.",
-        methods_figure,
     ),
-    FigureFile(
+    errors_figure: (
         "fig17_simulation_errors",
         "Left, cumulative trajectory error along the path, lowest for the NP-graph. Right, object error against the "
         "number of objects found: only the NP-graph has a small error at the true number.",
-        errors_figure,
     ),
-)
+}
 
 
 def compare(log: RobotLog, truth: GroundTruth) -> Comparison:
@@ -109,20 +92,19 @@ def compare(log: RobotLog, truth: GroundTruth) -> Comparison:
     return Comparison(log, truth, {name: list(method(log)) for name, method in METHODS.items()})
 
 
-def draw_simulation(comparison: Comparison, folder: Path) -> list[FigureFile]:
-    """Draw deck figures 14 to 17 of a scene as PNG and SVG; figure 16 only where the NP-graph was run."""
-    drawn = [entry for entry in SIMULATION if entry.draw is not iterations_figure or "np-graph" in comparison.runs]
-    for entry in drawn:
-        plotting.save(entry.draw(comparison), folder / entry.name)
-    return drawn
+def draw_simulation(comparison: Comparison, folder: Path) -> None:
+    """Draw deck figures 14 to 17 of any scene as PNG and SVG; figure 16 only where the NP-graph was run."""
+    entries = [
+        FigureFile(name, alt, partial(draw, comparison))
+        for draw, (name, alt) in TEXTS.items()
+        if draw is not iterations_figure or "np-graph" in comparison.runs
+    ]
+    draw_files(entries, folder)
 
 
-def draw_all(folder: Path) -> None:
-    """Draw every figure of the course, and an index page with the alternative texts."""
-    from npslam_teach import simulate
+@cache
+def _own_scene() -> Comparison:
+    return compare(*simulate.fifteen_objects())
 
-    drawn = draw_simulation(compare(*simulate.fifteen_objects()), folder)
-    with atomic_write(folder / "README.md") as stream:
-        stream.write("# Figures\n\n`python3 -m npslam_teach figures` draws them anew, byte for byte.\n")
-        for entry in drawn:
-            stream.write(f"\n## {entry.name}\n\n![{entry.alt}]({entry.name}.png)\n\n{entry.alt}\n")
+
+FIGURES = tuple(FigureFile(name, alt, lambda draw=draw: draw(_own_scene())) for draw, (name, alt) in TEXTS.items())

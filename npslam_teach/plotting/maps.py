@@ -11,7 +11,7 @@ from matplotlib.patches import Wedge
 
 from npslam_teach import se2
 from npslam_teach.data import GroundTruth, RobotLog, Snapshot
-from npslam_teach.style import (
+from npslam_teach.plotting.style import (
     ESTIMATE_COLOR,
     ESTIMATE_LINE,
     START,

@@ -1,8 +1,4 @@
-"""One function per kind of figure; each takes an ``Axes`` and returns it, or makes a whole ``Figure`` of panels.
-
-This is the door to all pictures: maps come from ``maps`` and ``panels``, looks from ``style``, files from ``pictures``.
-The curves over iterations, over the path and over methods are drawn here.
-"""
+"""Curves: over iterations, along the path, and over methods."""
 
 from collections.abc import Iterable
 
@@ -12,40 +8,14 @@ from matplotlib.ticker import MaxNLocator
 
 from npslam_teach.data import GroundTruth, Snapshot
 from npslam_teach.evaluate import distances_to_truth
-from npslam_teach.maps import plot_objects, plot_snapshot, plot_trajectory, plot_truth, plot_view
-from npslam_teach.panels import animate, plot_iterations, plot_methods
-from npslam_teach.pictures import save, show, show_animation
-from npslam_teach.style import (
+from npslam_teach.plotting.style import (
     ESTIMATE_COLOR,
     TEXT_SIZE,
     TRUTH_LINE,
-    class_style,
     label_axes,
     legend_beside,
     method_style,
-    new_figure,
 )
-
-__all__ = [
-    "animate",
-    "class_style",
-    "method_style",
-    "new_figure",
-    "plot_cumulative_error",
-    "plot_error_against_objects",
-    "plot_iterations",
-    "plot_methods",
-    "plot_object_counts",
-    "plot_objective",
-    "plot_objects",
-    "plot_snapshot",
-    "plot_trajectory",
-    "plot_truth",
-    "plot_view",
-    "save",
-    "show",
-    "show_animation",
-]
 
 
 def plot_object_counts(ax: Axes, snapshots: Iterable[Snapshot], num_objects_true: int | None = None) -> Axes:

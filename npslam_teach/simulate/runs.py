@@ -1,4 +1,4 @@
-"""Worlds, paths and noisy runs through them. The only place where noise is drawn.
+"""One noisy run along a path through a world: what the robot measures, and the noise of the paper.
 
 Every function that draws takes the generator; the same seed gives the same run on every machine.
 """
@@ -13,8 +13,6 @@ FILE_ODOMETRY_STD = np.array([0.01, 0.01, 0.01])  # m, m, rad per step
 FILE_OBSERVATION_STD = np.array([0.1, 0.1])  # m
 ADDED_ODOMETRY_STD = np.array([0.02, 0.02, 0.01])  # m, m, rad per step
 ADDED_OBSERVATION_STD = np.array([0.1, 0.1])  # m
-
-FIFTEEN_CLASSES = ("chair", "screen", "cup", "book", "lamp")
 
 
 def paper_sensor(noise: float = 1.0) -> SensorModel:
@@ -112,78 +110,6 @@ def visible_objects(world: World, path: np.ndarray, sensor: SensorModel) -> tupl
     in_view = np.abs(np.arctan2(xy[..., 1], xy[..., 0])) < sensor.field_of_view / 2
     time, obj = np.nonzero(in_range & in_view)
     return time, obj, xy[time, obj]
-
-
-def fifteen_objects(seed: int = 2016, noise: float = 1.0) -> tuple[RobotLog, GroundTruth]:
-    """Our own version of the paper's simulation: 15 objects, 5 classes of 3, a path that sees each several times.
-
-    The seed draws the world and the noise, so that a statement over seeds is a statement over worlds. The number of
-    observations, around 1100, differs from seed to seed.
-
-    Args:
-        seed: of ``numpy.random.default_rng``; the default is the year of the paper.
-        noise: 1 is the paper's run; see ``paper_sensor``.
-    """
-    rng = np.random.default_rng(seed)
-    world = scattered_world(3, FIFTEEN_CLASSES, rng)
-    return simulate_run(world, designed_path(), paper_sensor(noise), rng)
-
-
-def scattered_world(
-    objects_per_class: int,
-    class_names: tuple,
-    rng: np.random.Generator,
-    size: float = 10.0,
-    separation: float = 0.5,
-    class_separation: float = 2.0,
-) -> World:
-    """Objects scattered evenly over a square, none too close to another.
-
-    In the paper's own scene the nearest two objects of one class are 2.9 m apart. Two chairs that stand closer together
-    than drift has moved them cannot be told apart by position and class.
-
-    Args:
-        objects_per_class: how many of each.
-        class_names: (C,).
-        rng: the generator.
-        size: m, the side of the square [0, size]^2.
-        separation: m, the least distance between any two objects.
-        class_separation: m, the least distance between two objects of one class.
-
-    Raises:
-        ValueError: when there is no room.
-    """
-    num_objects = objects_per_class * len(class_names)
-    object_class = np.arange(num_objects) % len(class_names)
-    placed = np.empty((0, 2))
-    for _ in range(1000 * num_objects):
-        candidate = rng.uniform(0.0, size, 2)
-        alike = object_class[: len(placed)] == object_class[len(placed)]
-        apart = np.linalg.norm(placed - candidate, axis=1)
-        if (apart >= np.where(alike, class_separation, separation)).all():
-            placed = np.vstack([placed, candidate])
-        if len(placed) == num_objects:
-            return World(placed, object_class, class_names)
-    raise ValueError(f"size: expected room for {num_objects} separate objects, got a square of {size} m")
-
-
-def designed_path(step: float = 0.1) -> np.ndarray:
-    """The designed path of the fifteen-object scene: a closed line of 70 m that loops three times.
-
-    It is an epitrochoid about the middle of the 10 m x 10 m room, and each loop passes through the middle. Within a
-    loop an object is seen again after some 12 m, and the whole round closes at the end.
-
-    Args:
-        step: m between one pose and the next.
-
-    Returns:
-        (T, 3) poses in W, heading along the path.
-    """
-    phase = np.linspace(0.0, 2 * np.pi, 20_001)
-    radius, loops = 2.75, 3
-    x = np.cos(phase) + np.cos((loops + 1) * phase)
-    y = np.sin(phase) + np.sin((loops + 1) * phase)
-    return follow(5.0 + radius * np.column_stack([x, y]), step)
 
 
 def follow(xy: np.ndarray, step: float) -> np.ndarray:

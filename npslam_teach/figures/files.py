@@ -1,0 +1,24 @@
+"""What a figure file is, and how it comes onto the disk."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from npslam_teach import plotting
+
+
+@dataclass(frozen=True)
+class FigureFile:
+    """A figure of the course: its file name without suffix, its alternative text, and how to draw it."""
+
+    name: str  # begins with the number of the deck's figure: fig07_...
+    alt: str  # what the picture shows, for those who cannot see it
+    draw: Callable  # without arguments; returns a matplotlib Figure
+
+
+def draw_files(entries: Iterable[FigureFile], folder: Path) -> None:
+    """Draw figures into a folder, each as PNG and SVG."""
+    from tqdm import tqdm
+
+    for entry in tqdm(list(entries), desc="figures", unit="figure", delay=2, leave=False):
+        plotting.save(entry.draw(), folder / entry.name)

@@ -91,7 +91,7 @@ def enter_environment(arguments: "list[str]", root: "Path | None" = None) -> Non
         _say(str(error))
         raise SystemExit(2) from None
     except KeyboardInterrupt:
-        _say("the set-up was interrupted; the next call does it again.")
+        _say("interrupted; a set-up that was under way is done again by the next call.")
         raise SystemExit(130) from None
     if python is not None:
         start_over(python, arguments)

@@ -21,8 +21,8 @@ def require_rule(alpha: float, threshold: float | None, kernel_std: float) -> No
     require_alpha(alpha)
     if threshold is not None and not 0 <= threshold <= 1:
         raise ValueError(f"threshold: expected a probability in [0, 1], got {threshold}")
-    if not (math.isfinite(kernel_std) and kernel_std > 0):
-        raise ValueError(f"kernel_std: expected a positive length in metres, got {kernel_std}")
+    if not 1e-6 <= kernel_std <= 1e6:
+        raise ValueError(f"kernel_std: expected a length from 1e-6 to 1e6 m, got {kernel_std}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +130,7 @@ def visiting_order(order: str | np.ndarray, num_observations: int) -> np.ndarray
         forward = np.arange(num_observations)
         return forward if order == "first-to-last" else forward[::-1]
     order = np.asarray(order)
-    if not np.array_equal(np.sort(order), np.arange(num_observations)):
+    if order.dtype.kind not in "iu" or not np.array_equal(np.sort(order), np.arange(num_observations)):
         raise ValueError(f"order: expected a permutation of 0 .. {num_observations - 1}, got {order}")
     return order
 

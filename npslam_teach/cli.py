@@ -5,7 +5,9 @@ and nothing else. What a command does stands in ``commands``; here is only how i
 """
 
 import argparse
+import os
 import sys
+import warnings
 
 from npslam_teach import __version__
 
@@ -20,7 +22,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run one command and return its exit code: 0, 2 for wrong input, 130 after Ctrl-C.
+    """Run one command and return its exit code: 0, 2 for wrong input, 130 after Ctrl-C, 141 for a closed pipe.
 
     Args:
         arguments: as on the command line, without the program's name.
@@ -32,8 +34,19 @@ def main(arguments: list[str] | None = None) -> int:
     options.extra = extra
     from npslam_teach import commands
 
+    def say_warning(message, *details, **more) -> None:
+        print(f"{parser.prog} {options.command}: warning: {' '.join(str(message).split())}", file=sys.stderr)
+
     try:
-        return getattr(commands, options.command)(options) or 0
+        with warnings.catch_warnings():
+            warnings.showwarning = say_warning
+            code = getattr(commands, options.command)(options) or 0
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:
+        # Whoever read our output has seen enough, as `head` does; nothing more can be said to him.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
     except (ValueError, OSError) as error:
         return _explain(parser.prog, options.command, error)
     except KeyboardInterrupt:
@@ -55,6 +68,7 @@ def build_parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"npslam_teach {__version__}")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=_Parser)
     _add_lab(subparsers)
+    _add_fetch(subparsers)
     _add_test(subparsers)
     _add_reproduce(subparsers)
     _add_solve(subparsers)
@@ -69,8 +83,13 @@ def _add(subparsers, name: str, text: str) -> argparse.ArgumentParser:
 
 def _add_lab(subparsers) -> None:
     lab = _add(subparsers, "lab", "open the course in JupyterLab, on this machine only")
-    lab.add_argument("--port", type=_count, help="the port to listen on (default: the first free one from 8888)")
+    lab.add_argument("--port", type=_port, help="the port to listen on (default: the first free one from 8888)")
     lab.add_argument("--no-browser", action="store_true", help="print the address instead of opening it")
+
+
+def _add_fetch(subparsers) -> None:
+    fetch = _add(subparsers, "fetch", "fetch a file of the authors' once, check it, and print where it is")
+    fetch.add_argument("name", choices=("simulation", "office"), metavar="NAME", help="simulation or office")
 
 
 def _add_test(subparsers) -> None:
@@ -114,8 +133,8 @@ def _add_solve(subparsers) -> None:
 def _add_optimize(subparsers) -> None:
     optimize = _add(subparsers, "optimize", "solve a pose graph")
     optimize.add_argument("graph", metavar="GRAPH.g2o", help="a 2-D pose graph")
-    optimize.add_argument("--out", metavar="FILE", help="write the solution as .g2o")
-    optimize.add_argument("--repeat", type=_count, default=1, metavar="N", help="solve N times and list the seconds")
+    optimize.add_argument("--out", metavar="FILE", help="write the solution as .g2o, vertices numbered anew")
+    optimize.add_argument("--repeat", type=_count, metavar="N", help="solve N times and list the seconds")
     _add_json(optimize)
 
 
@@ -144,9 +163,13 @@ def _count(text: str) -> int:
     return _integer(text, 1)
 
 
-def _integer(text: str, least: int) -> int:
-    if not text.isascii() or not text.isdigit() or int(text) < least:
-        raise argparse.ArgumentTypeError(f"expected a whole number from {least} up, got {text!r}")
+def _port(text: str) -> int:
+    return _integer(text, 1, 65_535)
+
+
+def _integer(text: str, least: int, most: int = 1_000_000) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) < 20 and least <= int(text) <= most):
+        raise argparse.ArgumentTypeError(f"expected a whole number from {least} to {most}, got {text!r}")
     return int(text)
 
 
@@ -155,4 +178,6 @@ def _methods(text: str) -> list[str]:
     for name in names:
         if name not in METHOD_NAMES:
             raise argparse.ArgumentTypeError(f"expected some of {', '.join(METHOD_NAMES)}, got {name!r}")
+    if len(set(names)) < len(names):
+        raise argparse.ArgumentTypeError(f"expected each method once, got {text!r}")
     return names

@@ -29,6 +29,15 @@ def lab(options) -> int:
     return _run_module(arguments)
 
 
+def fetch(options) -> int:
+    """Fetch one of the authors' files and print its path."""
+    from npslam_teach import datasets
+
+    fetchers = {"simulation": datasets.fetch_mu2016_simulation, "office": datasets.fetch_stata_office}
+    print(fetchers[options.name]())
+    return 0
+
+
 def test(options) -> int:
     """Run pytest on the library's tests and, with nbval, on every notebook."""
     _require_checkout(ROOT / "tests")
@@ -50,7 +59,8 @@ def solve(options) -> int:
     log, truth = datasets.load_log(options.log)
     if options.noise != 0:
         log = simulate.add_noise(log, options.noise, np.random.default_rng(options.seed))
-    run = reports.run_method(options.method, log, settings)
+    with datasets.naming(options.log):
+        run = reports.run_method(options.method, log, settings)
     result = reports.solve_result(run, truth)
     write(result, run.snapshots[-1].graph)
     _print(result if options.json else reports.solve_text(result), options.json)
@@ -67,11 +77,12 @@ def reproduce(options) -> int:
         first_seed = 2016 if options.data is None and options.seeds == 1 else 0
     seeds = range(first_seed, first_seed + options.seeds)
     scenes = reproduction.scenes(options.data, options.noise, seeds)
-    result, first, runs = reproduction.run_all(scenes, options.methods, options.iterations, len(seeds))
+    result, first, runs = reproduction.run_all(scenes, options.methods, options.iterations, options.seeds)
     _print(result if options.json else reproduction.text(result), options.json)
     if folder is not None:
         from npslam_teach.figures import simulation as drawing
 
+        folder.mkdir(parents=True, exist_ok=True)
         snapshots = {method: run.snapshots for method, run in runs.items()}
         drawing.draw_simulation(drawing.Comparison(first.log, first.truth, snapshots), folder)
     return 0
@@ -79,17 +90,19 @@ def reproduce(options) -> int:
 
 def optimize(options) -> int:
     """Solve a pose graph read from a file; the seconds are those from arrays to solution."""
+    from tqdm import tqdm
+
     from npslam_teach import datasets, pose_graph
 
     write = _writer(options.out, (".g2o",))
     graph = datasets.load_g2o(options.graph)
     seconds = []
-    for _ in range(options.repeat):
+    for _ in tqdm(range(options.repeat or 1), desc="optimize", unit="run", delay=2, leave=False):
         begin = time.perf_counter()
         with datasets.naming(options.graph):
             steps = list(pose_graph.gauss_newton(graph))
         seconds.append(time.perf_counter() - begin)
-    result = reports.optimize_result(steps, seconds if options.repeat > 1 else seconds[0])
+    result = reports.optimize_result(steps, seconds if options.repeat else seconds[0])
     write(result, steps[-1].graph)
     _print(result if options.json else reports.optimize_text(result), options.json)
     return 0
@@ -99,7 +112,8 @@ def figures(options) -> int:
     """Draw every figure of the course anew."""
     from npslam_teach import figures as drawing
 
-    folder = _folder(options.out or str(ROOT / "figures"))
+    folder = _folder(str(ROOT / "figures") if options.out is None else options.out)
+    folder.mkdir(parents=True, exist_ok=True)
     drawing.draw_all(folder)
     print(f"figures: {folder}")
     return 0
@@ -142,12 +156,12 @@ def _writer(out: str | None, suffixes: tuple):
 
 
 def _folder(name: str | None) -> Path | None:
-    """The folder to draw into, made if need be."""
+    """The folder to draw into; it is made only when there is something to draw."""
     if name is None:
         return None
-    folder = Path(name)
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder
+    if not name.strip() or (Path(name).exists() and not Path(name).is_dir()):
+        raise ValueError(f"expected the name of a folder to draw into, got {name!r}")
+    return Path(name)
 
 
 def _print(result, as_json: bool) -> None:

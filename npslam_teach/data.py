@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+LARGEST = 1e15  # beyond it, squares and information matrices leave the range of floating point
+
 
 def checked_array(name: str, value, shape: tuple, dtype=float) -> np.ndarray:
     """Return a read-only copy of ``value``, or say in one sentence what is wrong with it.
@@ -34,8 +36,17 @@ def checked_array(name: str, value, shape: tuple, dtype=float) -> np.ndarray:
         raise ValueError(
             f"{name}: expected finite numbers, got {np.count_nonzero(~np.isfinite(array))} NaN or infinite"
         )
+    if dtype is float and np.abs(array).max(initial=0.0) > LARGEST:
+        raise ValueError(f"{name}: expected numbers up to {LARGEST:g}, got {np.abs(array).max():g}")
     array.setflags(write=False)
     return array
+
+
+def checked_index(name: str, index, length: int) -> np.ndarray:
+    """Indices (N,) into something of a length; ``ValueError`` for one that does not exist, negative ones included."""
+    index = checked_array(name, np.ravel(index), (None,), int)
+    _require_range(name, index, 0, length, "an index")
+    return index
 
 
 def _set(instance, name: str, shape: tuple, dtype=float) -> None:

@@ -24,7 +24,7 @@ class Metrics:
     cumulative_pose_error: float  # m, summed over the poses (paper table I)
     mean_object_error: float  # m, averaged over the observations of real objects
     num_objects: int
-    num_objects_true: int
+    num_objects_true: int  # of those that were seen
     ari: float
     v_measure: float
     observations_used: float  # share of all observations
@@ -43,7 +43,15 @@ def evaluate(snapshot: Snapshot, truth: GroundTruth, log: RobotLog) -> Metrics:
         snapshot: the estimate.
         truth: what really happened.
         log: what was measured, for the sensor's noise in ``chi2_per_dof``.
+
+    Raises:
+        ValueError: when the truth is of another log.
     """
+    if len(truth.poses) != log.num_poses or len(truth.obs_object) != log.num_observations:
+        raise ValueError(
+            f"truth: expected {log.num_poses} poses and {log.num_observations} observations, "
+            f"got {len(truth.poses)} and {len(truth.obs_object)}"
+        )
     pose_errors, object_errors = distances_to_truth(snapshot, truth)
     num_used = int(np.count_nonzero(snapshot.labels >= 0))
     ari, v_measure = compare_partitions(

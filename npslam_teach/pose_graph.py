@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.data import PoseGraph
+from npslam_teach.data import PoseGraph, checked_index
 from npslam_teach.residuals import (
     between_jacobians,
     between_residual,
@@ -78,7 +78,11 @@ def gauss_newton(graph: PoseGraph, tolerance: float = 1e-9, max_iterations: int 
     Raises:
         numpy.linalg.LinAlgError: when a pose or landmark is not determined by the factors.
     """
+    if max_iterations < 1:
+        raise ValueError(f"max_iterations: expected a positive number, got {max_iterations}")
     structure = graph_structure(graph)
+    # A heading of many turns would swallow small steps in rounding.
+    graph = replace(graph, poses=np.column_stack([graph.poses[:, :2], se2.wrap(graph.poses[:, 2])]))
     if structure.num_unknowns == 0:
         yield Step(0, graph, chi2(graph), np.zeros(0), 0.0, True, "converged")
         return
@@ -113,12 +117,16 @@ def marginal_covariance(graph: PoseGraph, poses=(), landmarks=()) -> tuple[np.nd
         poses: (P,) indices.
         landmarks: (L,) indices.
 
+    Raises:
+        ValueError: for an index that does not exist.
+
     Returns:
         (P, 3, 3) m, m, rad in W and (L, 2, 2) m in W.
     """
     structure = graph_structure(graph)
-    solve = _factorized(structure, _assemble(graph, structure)[0])
-    poses, landmarks = np.asarray(poses, dtype=int).ravel(), np.asarray(landmarks, dtype=int).ravel()
+    solve = structure.factorize(_assemble(graph, structure)[0])
+    poses = checked_index("poses", poses, len(graph.poses))
+    landmarks = checked_index("landmarks", landmarks, len(graph.landmarks))
     free_pose_unknowns = 3 * (poses[poses > 0, None] - 1) + np.arange(3)
     landmark_unknowns = 3 * (len(graph.poses) - 1) + 2 * landmarks[:, None] + np.arange(2)
     pose_cov = np.zeros((len(poses), 3, 3))
@@ -198,7 +206,7 @@ def _descend(graph, structure, data, b, before, negligible, damping):
     while True:
         damped = data.copy()
         damped[structure.diagonal] += damping * diagonal
-        dx = _factorized(structure, damped)(-b)
+        dx = structure.factorize(damped)(-b)
         moved = _moved(graph, dx)
         after = chi2(moved)
         if after <= before:
@@ -213,19 +221,6 @@ def _moved(graph: PoseGraph, dx: np.ndarray) -> PoseGraph:
     poses[1:] += dx[:num_pose_unknowns].reshape(-1, 3)
     poses[:, 2] = se2.wrap(poses[:, 2])
     return replace(graph, poses=poses, landmarks=graph.landmarks + dx[num_pose_unknowns:].reshape(-1, 2))
-
-
-def _factorized(structure: BlockStructure, data: np.ndarray):
-    """``BlockStructure.factorize``, and never a NaN in silence."""
-    solve = structure.factorize(data)
-
-    def checked(rhs: np.ndarray) -> np.ndarray:
-        solution = solve(rhs)
-        if not np.isfinite(solution).all():
-            raise np.linalg.LinAlgError("the factors do not determine every pose and landmark: H is singular")
-        return solution
-
-    return checked
 
 
 def _inverse_blocks(solve, unknowns: np.ndarray, num_unknowns: int, batch: int = 256) -> np.ndarray:

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+SINGULAR = "expected factors that determine every pose and landmark, but H is singular"
 FIXED = -1  # the block index of a variable that is held still and has no place in H
 
 
@@ -75,14 +76,17 @@ class BlockStructure:
                 relax=1,
                 options={"SymmetricMode": True},
             )
-        except RuntimeError as error:
-            raise np.linalg.LinAlgError(str(error)) from None
+        except RuntimeError:  # "Factor is exactly singular"
+            raise np.linalg.LinAlgError(SINGULAR) from None
         order = self.permuted_of_natural
 
         def solve(rhs: np.ndarray) -> np.ndarray:
             permuted = np.empty_like(rhs)
             permuted[order] = rhs
-            return factors.solve(permuted)[order]
+            solution = factors.solve(permuted)[order]
+            if not np.isfinite(solution).all():
+                raise np.linalg.LinAlgError(SINGULAR)
+            return solution
 
         return solve
 

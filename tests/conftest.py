@@ -15,6 +15,11 @@ ORIGINALS = (
 )
 
 
+# Kernels and command lines that tests start must find the package, wherever they start.
+_ROOT = str(Path(__file__).parent.parent)
+os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [_ROOT, os.environ.get("PYTHONPATH")]))
+
+
 @pytest.fixture(scope="session")
 def data_folder() -> Path:
     """The folder with the original data: NPSLAM_TEACH_DATA, or shared/data beside the checkout."""

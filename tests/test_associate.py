@@ -242,7 +242,33 @@ def test_on_any_seven_observations_alternation_is_bounded_by_the_best_partition(
     assert np.mean(at_best) > 0.2
 
 
-@pytest.mark.parametrize("order", ["sideways", [0, 0, 1], [1, 2, 3]])
+def test_the_defaults_are_the_papers():
+    """exp(-4 d^2), alpha 0.9, last to first, 0.1 for odometry, 0.5 m for sightings, five alternations."""
+    import inspect
+
+    from npslam_teach.methods import common
+
+    assert associate.PAPER_ALPHA == 0.9
+    assert pytest.approx(1 / 8) == associate.PAPER_KERNEL_STD**2
+    assert common.PAPER_ODOMETRY_STD == (0.1, 0.1, 0.1)
+    assert common.PAPER_OBSERVATION_STD == (0.5, 0.5)
+    parameters = inspect.signature(np_graph).parameters
+    assert parameters["iterations"].default == 5
+    assert parameters["order"].default == inspect.signature(associate.sweep).parameters["order"].default
+    assert parameters["order"].default == "last-to-first"
+
+
+def test_the_order_of_visits_matters_and_last_to_first_is_the_default():
+    labels, landmarks, xy, obs_class = random_scene(2)
+    default, last, first = (
+        associate.sweep(labels, landmarks, xy, obs_class, **order).labels
+        for order in ({}, {"order": "last-to-first"}, {"order": "first-to-last"})
+    )
+    np.testing.assert_array_equal(default, last)
+    assert not np.array_equal(same_groups(last), same_groups(first))
+
+
+@pytest.mark.parametrize("order", [[0.0, 1.0, 2.0], [True, False, True], "sideways", [0, 0, 1], [1, 2, 3]])
 def test_a_bad_order_is_refused(order):
     with pytest.raises(ValueError, match="order: expected"):
         associate.visiting_order(order, 3)

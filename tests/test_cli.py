@@ -72,7 +72,7 @@ def test_the_names_of_the_methods_are_those_of_the_library():
 
 def test_every_command_has_its_function():
     actions = cli.build_parser()._subparsers._group_actions[0].choices
-    assert set(actions) == {"lab", "test", "reproduce", "solve", "optimize", "figures"}
+    assert set(actions) == {"lab", "fetch", "test", "reproduce", "solve", "optimize", "figures"}
     assert all(callable(getattr(commands, name)) for name in actions)
 
 
@@ -353,6 +353,8 @@ def test_a_truncated_mat_file(capsys, data_folder, tmp_path):
         (["--out", "result.txt"], ["--out", ".json"]),
         (["--out", "no/such/folder/result.json"], ["--out", "folder"]),
         (["--colour", "red"], ["--colour"]),
+        (["--noise", "1e308"], ["noise", "1e6"]),
+        (["--out", ""], ["--out"]),
     ],
 )
 def test_bad_options_of_solve(capsys, log_file, tmp_path, monkeypatch, arguments, words):
@@ -399,10 +401,75 @@ def test_a_graph_that_cannot_be_solved(capsys, g2o_file):
         (["--methods", "np-graph,magic"], ["methods", "magic"]),
         (["--noise", "-2"], ["noise", "non-negative"]),
         (["--noise", "inf"], ["noise", "non-negative"]),
+        (["--seeds", "99999999999999999999"], ["seeds", "whole number"]),
+        (["--methods", "open-loop,open-loop"], ["methods", "once"]),
+        (["--methods", ""], ["methods"]),
+        (["--figures", ""], ["folder"]),
     ],
 )
 def test_bad_options_of_reproduce(capsys, arguments, words):
     assert_one_sentence(*call(capsys, "reproduce", *arguments), *words)
+
+
+def test_reproduce_leaves_no_folder_behind_when_it_fails(capsys, tmp_path):
+    arguments = ["reproduce", "--data", tmp_path / "missing.npz", "--figures", tmp_path / "new"]
+    assert_one_sentence(*call(capsys, *arguments), "missing.npz")
+    assert not list(tmp_path.iterdir())
+
+
+def test_huge_numbers_in_a_log(capsys, log_file):
+    with np.load(log_file) as old:
+        obs_xy = old["obs_xy"] * 1e200
+    with_field(log_file, obs_xy=obs_xy)
+    assert_one_sentence(*call(capsys, "solve", log_file), "run.npz", "obs_xy", "1e+15")
+
+
+def test_a_graph_without_information(capsys, g2o_file):
+    g2o_file.write_text("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nEDGE_SE2 0 1 1 0 0 0 0 0 0 0 0\n")
+    assert_one_sentence(*call(capsys, "optimize", g2o_file), "graph.g2o", "singular")
+
+
+def test_a_closed_pipe_is_no_error(log_file):
+    """Whoever pipes into `head` is not told off."""
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-c", "from npslam_teach.cli import main; import sys; sys.exit(main())"]
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(
+        [*command, "solve", str(log_file), "--json"],
+        stdout=writing,
+        stderr=subprocess.PIPE,
+        env=environment,
+        timeout=60,
+    )
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (141, b"")
+
+
+def test_warnings_are_one_line_each(capsys, log_file, monkeypatch):
+    import warnings
+
+    def warned(*arguments):
+        warnings.warn("the solver\nstopped", stacklevel=2)
+        raise ValueError("enough")
+
+    monkeypatch.setattr("npslam_teach.reports.run_method", warned)
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        code, out, err = call(capsys, "solve", log_file)
+    assert err.splitlines()[0] == "npslam_teach solve: warning: the solver stopped"
+
+
+def test_fetch_prints_where_the_file_is(capsys, data_folder, monkeypatch):
+    monkeypatch.setenv("NPSLAM_TEACH_DATA", str(data_folder))
+    code, out, err = call(capsys, "fetch", "simulation")
+    assert (code, err) == (0, "")
+    assert Path(out.strip()).is_file()
+    assert_one_sentence(*call(capsys, "fetch", "everything"), "everything")
+
+
+def test_lab_refuses_a_port_that_cannot_be(capsys):
+    assert_one_sentence(*call(capsys, "lab", "--port", "99999"), "port", "65535")
 
 
 def test_reproduce_needs_the_truth(capsys, tmp_path):

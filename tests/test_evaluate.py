@@ -138,6 +138,12 @@ def test_chi2_per_dof_does_not_exist_without_redundancy(solved):
     assert math.isnan(evaluate.evaluate(singletons, truth, log).chi2_per_dof)
 
 
+def test_the_truth_of_another_log_is_refused(solved):
+    log, _, last = solved
+    with pytest.raises(ValueError, match="truth: expected 702 poses"):
+        evaluate.evaluate(last, simulate.fifteen_objects(1)[1], log)
+
+
 def test_observations_used(solved):
     log, truth, _ = solved
     *_, last = robust_slam(log)

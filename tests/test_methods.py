@@ -8,7 +8,7 @@ import pytest
 
 from npslam_teach import dirichlet, evaluate, pose_graph, se2, simulate
 from npslam_teach.associate import PAPER_KERNEL_STD
-from npslam_teach.data import RobotLog
+from npslam_teach.data import RobotLog, World
 from npslam_teach.methods import METHODS, frame_by_frame, np_graph, open_loop, robust_slam
 
 CONSISTENT = {"observation_std": (PAPER_KERNEL_STD, PAPER_KERNEL_STD)}
@@ -96,7 +96,7 @@ def test_the_objective_never_rises_under_consistent_settings(seed):
 def test_the_objective_never_rises_on_small_dense_scenes(seed):
     """Where everything is near everything, many moves compete."""
     rng = np.random.default_rng(seed)
-    world = simulate.World(rng.uniform(0, 2.5, (6, 2)), rng.integers(0, 2, 6), ("chair", "cup"))
+    world = World(rng.uniform(0, 2.5, (6, 2)), rng.integers(0, 2, 6), ("chair", "cup"))
     path = simulate.follow(1.2 + np.column_stack([np.cos(np.linspace(0, 9, 999)), np.sin(np.linspace(0, 9, 999))]), 0.2)
     log, _ = simulate.simulate_run(world, path, simulate.paper_sensor(2.0), rng)
     values = [s.objective for s in np_graph(log, iterations=10, **CONSISTENT)]
@@ -209,6 +209,9 @@ def test_frame_by_frame_is_one_snapshot(scene):
         ({"observation_std": (0.0, 1.0)}, "observation_std: expected positive numbers"),
         ({"odometry_std": (0.1, 0.1)}, r"odometry_std: expected shape \(3\)"),
         ({"area": 0.0}, "area: expected"),
+        ({"area": float("inf")}, "area: expected"),
+        ({"iterations": 2.5}, "iterations: expected"),
+        ({"kernel_std": 1e-200}, "kernel_std: expected"),
     ],
 )
 def test_bad_settings_are_named(setting, message, scene):

@@ -128,6 +128,33 @@ def test_marginal_covariance_is_the_inverse_of_h(seed):
     np.testing.assert_allclose(landmark_cov[1], inverse[first + 2 : first + 4, first + 2 : first + 4], rtol=1e-8)
 
 
+@pytest.mark.parametrize("wrong", [{"poses": [-1]}, {"poses": [99]}, {"landmarks": [-1]}, {"landmarks": [1.7]}])
+def test_covariances_of_what_does_not_exist_are_refused(wrong):
+    solved = pose_graph.optimize(random_graph(0))
+    with pytest.raises(ValueError, match=f"{next(iter(wrong))}: expected"):
+        pose_graph.marginal_covariance(solved, **wrong)
+
+
+def test_headings_of_many_turns_do_not_swallow_the_steps():
+    graph = random_graph(8)
+    turned = replace(graph, poses=graph.poses + [0.0, 0.0, 2 * np.pi * 1e6])
+    *_, last = pose_graph.gauss_newton(turned)
+    assert last.chi2 == pytest.approx(pose_graph.chi2(pose_graph.optimize(graph)), rel=1e-6)
+    assert np.abs(last.graph.poses[:, 2]).max() <= np.pi
+
+
+def test_numbers_beyond_floating_point_are_refused():
+    with pytest.raises(ValueError, match="poses: expected numbers up to 1e[+]15"):
+        replace(random_graph(0), poses=np.full((12, 3), 1e200))
+
+
+def test_a_singular_graph_is_refused_with_words():
+    graph = random_graph(0, num_landmarks=0, num_loops=0)
+    nothing = replace(graph.between, information=np.zeros_like(graph.between.information))
+    with pytest.raises(np.linalg.LinAlgError, match="H is singular"):
+        pose_graph.optimize(replace(graph, between=nothing))
+
+
 def test_pose_zero_is_the_gauge():
     graph = random_graph(1)
     np.testing.assert_array_equal(pose_graph.optimize(graph).poses[0], graph.poses[0])

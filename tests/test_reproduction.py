@@ -41,6 +41,7 @@ def test_the_two_traps_of_the_authors_file_are_handled(authors):
     log, truth = authors
     fit = evaluate.true_association_fit(log, truth)
     assert evaluate.chi2(fit) == pytest.approx(2167.8, abs=0.05)
+    assert evaluate.chi2_per_dof(fit) == pytest.approx(evaluate.chi2(fit) / 2166, rel=1e-12)
     assert 0.95 < evaluate.chi2_per_dof(fit) < 1.05
 
 

@@ -57,20 +57,11 @@ def np_graph(
     _require_settings(iterations, area, false_positive_threshold)
     current = start(log, odometry_std, observation_std, alpha, area)
     yield current
-    for iteration in range(1, iterations + 1):
+    for iteration in range(1, int(iterations) + 1):
         # Half a step: who is who, the trajectory and the map held still.
-        poses, labels = current.graph.poses, current.labels
-        obs_xy_world = se2.transform_to(poses[log.obs_time], log.obs_xy)
-        association = sweep(
-            labels,
-            current.graph.landmarks,
-            obs_xy_world,
-            log.obs_class,
-            alpha=alpha,
-            threshold=threshold,
-            kernel_std=kernel_std,
-            order=order,
-        )
+        labels, landmarks = current.labels, current.graph.landmarks
+        obs_xy_world = se2.transform_to(current.graph.poses[log.obs_time], log.obs_xy)
+        association = sweep(labels, landmarks, obs_xy_world, log.obs_class, alpha, threshold, kernel_std, order)
         # The other half: where everything is, the associations held still.
         graph = optimize(reassociated(log, current.graph, association, observation_std))
         current = snapshot(log, iteration, association.labels, graph, alpha, area)
@@ -97,9 +88,9 @@ def _same_partition(labels: np.ndarray, other_labels: np.ndarray) -> bool:
 
 
 def _require_settings(iterations, area, false_positive_threshold) -> None:
-    if iterations < 0:
+    if iterations != int(iterations) or iterations < 0:
         raise ValueError(f"iterations: expected a non-negative integer, got {iterations}")
-    if not area > 0:
+    if not 0 < area < float("inf"):
         raise ValueError(f"area: expected a positive number of square metres, got {area}")
     if not 0 <= false_positive_threshold <= 1:
         raise ValueError(f"false_positive_threshold: expected a probability in [0, 1], got {false_positive_threshold}")

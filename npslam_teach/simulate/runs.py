@@ -6,7 +6,7 @@ Every function that draws takes the generator; the same seed gives the same run 
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.data import GroundTruth, RobotLog, SensorModel, World
+from npslam_teach.data import GroundTruth, RobotLog, SensorModel, World, checked_array
 
 # The authors' file holds some noise, and their script adds more before every run.
 FILE_ODOMETRY_STD = np.array([0.01, 0.01, 0.01])  # m, m, rad per step
@@ -54,8 +54,8 @@ def add_noise(log: RobotLog, noise: float, rng: np.random.Generator) -> RobotLog
 
 
 def _require_noise(noise: float) -> None:
-    if not (np.isfinite(noise) and noise >= 0):
-        raise ValueError(f"noise: expected a non-negative number, got {noise}")
+    if not 0 <= noise <= 1e6:
+        raise ValueError(f"noise: expected a non-negative number up to 1e6, got {noise}")
 
 
 def simulate_run(
@@ -72,7 +72,12 @@ def simulate_run(
     Returns:
         what the estimator may see, and the truth.
     """
-    path = np.asarray(path, dtype=float)
+    path = checked_array("path", path, (None, 3))
+    if len(path) == 0:
+        raise ValueError("path: expected at least one pose, got none")
+    num_classes = len(world.class_names)
+    if sensor.class_confusion is not None and len(sensor.class_confusion) != num_classes:
+        raise ValueError(f"class_confusion: expected {num_classes} rows, got {len(sensor.class_confusion)}")
     odometry = se2.between(path[:-1], path[1:])
     odometry = odometry + rng.normal(size=odometry.shape) * sensor.odometry_std
 
@@ -81,7 +86,7 @@ def simulate_run(
     time, obj, xy = time[detected], obj[detected], xy[detected]
     xy = xy + rng.normal(size=xy.shape) * sensor.observation_std
     obs_class = _reported_class(world.object_class[obj], sensor.class_confusion, rng)
-    clutter_time, clutter_xy, clutter_class = _clutter(len(path), len(world.class_names), sensor, rng)
+    clutter_time, clutter_xy, clutter_class = _clutter(len(path), num_classes, sensor, rng)
 
     time = np.concatenate([time, clutter_time])
     # Within a frame in random order: otherwise the order itself would give the objects' identities away.
@@ -91,7 +96,7 @@ def simulate_run(
         obs_time=time[in_time],
         obs_xy=np.concatenate([xy, clutter_xy])[in_time],
         obs_class=np.concatenate([obs_class, clutter_class])[in_time],
-        num_classes=len(world.class_names),
+        num_classes=num_classes,
         odometry_std=sensor.odometry_std,
         observation_std=sensor.observation_std,
     )

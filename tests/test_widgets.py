@@ -48,6 +48,12 @@ def test_the_same_value_gives_the_same_picture_every_time():
     assert len(pictures) == 1
 
 
+def test_without_a_kernel_the_words_remain():
+    explorer = line_explorer()
+    assert repr(explorer) == f"Explorer: {explorer.words}"
+    assert explorer._repr_mimebundle_()["text/plain"].startswith("Explorer: the line climbs")
+
+
 def test_an_error_is_shown_and_raised():
     def fragile(slope):
         if slope > 1:

@@ -85,6 +85,10 @@ class Explorer(ipywidgets.VBox):
             self._picture.value = f"<pre>{html.escape(traceback.format_exc())}</pre>"
             raise
 
+    def __repr__(self) -> str:
+        """What stands in the place of the widget where no kernel runs, as on a code host."""
+        return f"Explorer: {self.words}"
+
     def move(self, **values) -> str:
         """Move sliders as a hand would, and return the words under the picture."""
         for name, value in values.items():

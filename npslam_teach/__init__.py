@@ -25,6 +25,7 @@ _HOME_OF = {
     "simulate_run": "simulate",
     "fifteen_objects": "simulate",
     "toy_objects": "simulate",
+    "office": "simulate",
     "add_noise": "simulate",
     "load_log": "datasets",
     "save_log": "datasets",
@@ -46,10 +47,11 @@ _HOME_OF = {
     "frame_by_frame": "methods",
     "open_loop": "methods",
     "robust_slam": "methods",
+    "ekf_slam": "methods",
 }
 _MODULES = (
-    "associate checks data datasets dirichlet evaluate figures methods plotting pose_graph residuals se2 simulate "
-    "sparse widgets"
+    "associate centroids checks data datasets dirichlet evaluate figures methods plotting pose_graph residuals se2 "
+    "simulate sparse widgets without_truth"
 ).split()
 
 __all__ = sorted(_HOME_OF)

@@ -11,7 +11,7 @@ import warnings
 
 from npslam_teach import __version__
 
-METHOD_NAMES = ("np-graph", "robust-slam", "open-loop", "frame-by-frame")
+METHOD_NAMES = ("np-graph", "robust-slam", "open-loop", "frame-by-frame", "ekf")
 
 
 class _Parser(argparse.ArgumentParser):

@@ -1,23 +1,38 @@
 """The figure files: all there, described, and the same bytes every time."""
 
+import re
+
+import pytest
+
 from npslam_teach import cli, figures, simulate
 from npslam_teach.figures import simulation
 
 
-def test_the_command_draws_everything_twice_alike(tmp_path, capsys):
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory):
+    """Everything, drawn twice: two dictionaries from file name to bytes."""
+    folder = tmp_path_factory.mktemp("figures")
     for name in ("first", "second"):
-        assert cli.main(["figures", "--out", str(tmp_path / name)]) == 0
-    first, second = ({p.name: p.read_bytes() for p in (tmp_path / n).iterdir()} for n in ("first", "second"))
+        assert cli.main(["figures", "--out", str(folder / name)]) == 0
+    return [{p.name: p.read_bytes() for p in (folder / n).iterdir()} for n in ("first", "second")]
+
+
+def test_the_command_draws_everything_twice_alike(drawn):
+    first, second = drawn
     assert first == second
     expected = {f"{entry.name}.{suffix}" for entry in figures.FIGURES for suffix in ("png", "svg")}
     assert set(first) == expected | {"README.md"}
 
 
-def test_the_index_describes_every_figure(tmp_path):
-    figures.draw_all(tmp_path)
-    index = (tmp_path / "README.md").read_text(encoding="utf-8")
+def test_the_index_describes_every_figure(drawn):
+    index = drawn[0]["README.md"].decode()
     for entry in figures.FIGURES:
         assert f"![{entry.alt}]({entry.name}.png)" in index
+
+
+def test_every_figure_of_the_deck_is_there():
+    numbers = {int(re.match(r"fig(\d\d)", entry.name).group(1)) for entry in figures.FIGURES}
+    assert numbers >= set(range(1, 20))
 
 
 def test_the_committed_figures_are_those_of_the_code():

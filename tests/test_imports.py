@@ -27,10 +27,10 @@ def imported(name, top_level_only=False):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{name}: relative import; the package uses absolute ones throughout"
-            if node.module == "npslam_teach":
-                found |= {f"npslam_teach.{alias.name}" for alias in node.names}
-            else:
-                found.add(node.module)
+            for alias in node.names:
+                submodule = f"{node.module}.{alias.name}".removeprefix("npslam_teach.")
+                is_module = submodule in SOURCES or f"{submodule}.__init__" in SOURCES
+                found.add(f"npslam_teach.{submodule}" if is_module else node.module)
     ours = {module.removeprefix("npslam_teach.") for module in found if module.startswith("npslam_teach.")}
     others = {module.split(".")[0] for module in found if not module.startswith("npslam_teach")}
     return {_with_init(module) for module in ours} & set(SOURCES), others

@@ -214,6 +214,10 @@ ON_THE_AUTHORS_DATA = {
         "mu2016_simulation.mat",
         ["766 poses, 1098 sightings", r"chi2 per dof 1\.001", r"noise 0\.0: objects \[1098, .*15\]"],
     ),
+    "08_office": (
+        "mu2016_stata_office.mat",
+        ["696 poses, 1591 sightings", r"np-graph +\d+ +1[34]\d\d", r"frame-by-frame +0 +0 +nan m2"],
+    ),
 }
 
 

@@ -57,7 +57,7 @@ def as_array(name: str, answer, shape: tuple) -> tuple[np.ndarray | None, Verdic
     """The answer as an array of the expected shape; or None and a verdict that names the difference."""
     try:
         array = np.asarray(answer, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return None, wrong(f"{name} should be numbers, yours is {type(answer).__name__}")
     if array.shape != shape:
         return None, wrong(f"{name} should have shape {shape}, yours has {array.shape}")

@@ -5,11 +5,31 @@ The numbers are those of the deck that the course replaces. Each module holds th
 
 from pathlib import Path
 
-from npslam_teach.figures import simulation
+from npslam_teach.figures import (
+    lesson01,
+    lesson02,
+    lesson03,
+    lesson04,
+    lesson05,
+    lesson06,
+    lesson08,
+    lesson09,
+    simulation,
+)
 from npslam_teach.figures.files import draw_files
 from npslam_teach.files import atomic_write
 
-MODULES = (simulation,)
+MODULES = (
+    lesson01,
+    lesson02,
+    lesson03,
+    lesson04,
+    lesson05,
+    lesson06,
+    lesson08,
+    lesson09,
+    simulation,
+)
 FIGURES = tuple(sorted((entry for module in MODULES for entry in module.FIGURES), key=lambda entry: entry.name))
 
 

@@ -86,10 +86,10 @@ TEXTS = {
 
 
 def compare(log: RobotLog, truth: GroundTruth) -> Comparison:
-    """Run every method on a log with its default settings."""
-    from npslam_teach.methods import METHODS
+    """Run every method of the paper on a log with its default settings."""
+    from npslam_teach.methods import PAPER_METHODS
 
-    return Comparison(log, truth, {name: list(method(log)) for name, method in METHODS.items()})
+    return Comparison(log, truth, {name: list(method(log)) for name, method in PAPER_METHODS.items()})
 
 
 def draw_simulation(comparison: Comparison, folder: Path) -> None:

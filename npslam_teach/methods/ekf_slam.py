@@ -1,0 +1,251 @@
+"""EKF-SLAM: decide for every frame which sighting is of which object, update, and never look back.
+
+The filter's own uncertainty is the yardstick: a sighting fits an object when the distance between where it is and where
+it was expected is small for the covariance of that difference (Mahalanobis distance, gates by chi-squared). Unlike the
+paper's method it is given the sensor's own noise; and unlike there, what has been decided is decided for good.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from npslam_teach import se2
+from npslam_teach.associate import PAPER_ALPHA, Association
+from npslam_teach.data import PoseGraph, RobotLog, Snapshot, checked_array
+from npslam_teach.methods.common import (
+    mean_landmarks,
+    observation_factors,
+    odometry_factors,
+    reassociated,
+    snapshot,
+    start,
+)
+from npslam_teach.methods.ekf_filter import new_filter, predict, squared_distances, update, with_new_object
+from npslam_teach.pose_graph import optimize
+
+GATE, NEW_GATE = 0.99, 0.999999  # shares of right matches that a consistent filter lets through
+LEFT_OUT, NEW = -1, -2  # what a sighting can be, besides one of a known object
+
+
+@dataclass(frozen=True, eq=False)
+class FilterStep:
+    """One frame: what the filter expected, what was decided, and what it believed then. K objects were known."""
+
+    time: int
+    sightings: np.ndarray  # (m,) indices into the log
+    prior_mean: np.ndarray  # (3 + 2K,) before the sightings
+    prior_cov: np.ndarray  # (3 + 2K, 3 + 2K)
+    object_class: np.ndarray  # (K,) of the objects known before
+    squared_distance: np.ndarray  # (m, K) Mahalanobis, squared; infinite where the class rules it out
+    decision: np.ndarray  # (m,) the object, LEFT_OUT or NEW
+    labels: np.ndarray  # (m,) the same with the new objects numbered
+    nis: float  # y^T S^-1 y of all matches together; NaN without any
+    mean: np.ndarray  # (n,) after the sightings, new objects included
+    cov: np.ndarray  # (n, n)
+
+
+@dataclass(frozen=True, eq=False)
+class FilterRecord:
+    """A whole run of the filter."""
+
+    poses: np.ndarray  # (T, 3) W, each as it was believed at its own time, and never corrected after
+    pose_cov: np.ndarray  # (T, 3, 3)
+    labels: np.ndarray  # (M,) the object, -1 = left out
+    landmarks: np.ndarray  # (K, 2) m, W, at the end
+    landmark_cov: np.ndarray  # (K, 2, 2) m^2, at the end
+    squared_distance: np.ndarray  # (M,) Mahalanobis, to the matched object; NaN for new ones and those left out
+    nis: np.ndarray  # (T,) y^T S^-1 y of all matches of a frame together; NaN without any
+    nis_dof: np.ndarray  # (T,) how many numbers y holds: two for every match
+
+
+def ekf_slam(
+    log: RobotLog, gate: float = GATE, new_gate: float = NEW_GATE, *, odometry_std=None, observation_std=None
+) -> Iterator[Snapshot]:
+    """Filter the log once, from the first frame to the last.
+
+    Every frame is matched with the objects known so far. A pair must be of one class and within the gate, and no two
+    sightings share an object; the sum of squared Mahalanobis distances is least, where a sighting without an object
+    costs as much as one at the gate. A sighting outside the second gate of every object of its class founds a new
+    object. One in between is left out: either answer would be a guess, and a guess cannot be taken back.
+
+    Args:
+        log: what the robot measured.
+        gate: the share of right matches that passes the gate (chi-squared, 2 degrees of freedom).
+        new_gate: the same for the second gate; not below ``gate``.
+        odometry_std: (3,) m, m, rad: what the filter assumes per step; None: what the log says.
+        observation_std: (2,) m: what it assumes per sighting; None: what the log says.
+
+    Yields:
+        the frame-by-frame start, and the result: every pose as it was filtered at its own time, the objects as they are
+        at the end. Sightings that were left out have label -1.
+    """
+    odometry_std, observation_std = _noise(log, odometry_std, observation_std)
+    squared_gates(gate, new_gate)
+    yield start(log, odometry_std, observation_std)
+    record = run_filter(log, gate, new_gate, odometry_std=odometry_std, observation_std=observation_std)
+    factors = odometry_factors(log, odometry_std), observation_factors(log, record.labels, observation_std)
+    yield snapshot(log, 1, record.labels, PoseGraph(record.poses, record.landmarks, *factors), PAPER_ALPHA)
+
+
+def solve_with_labels(
+    log: RobotLog, labels: np.ndarray, poses: np.ndarray, *, odometry_std=None, observation_std=None
+) -> Snapshot:
+    """The pose graph with associations from elsewhere, a filter's for example: all poses at once, none too late.
+
+    Args:
+        log: what the robot measured.
+        labels: (M,) the object, from 0 without gaps; -1 leaves a sighting out.
+        poses: (T, 3) W, from which the solver sets out.
+        odometry_std: (3,) m, m, rad; None: what the log says.
+        observation_std: (2,) m; None: what the log says.
+    """
+    odometry_std, observation_std = _noise(log, odometry_std, observation_std)
+    graph = start(log, odometry_std, observation_std).graph
+    landmarks = mean_landmarks(labels, se2.transform_to(poses[log.obs_time], log.obs_xy))
+    graph = PoseGraph(poses, graph.landmarks, graph.between, graph.observations)
+    graph = optimize(reassociated(log, graph, Association(labels, landmarks), observation_std))
+    return snapshot(log, 2, labels, graph, PAPER_ALPHA)
+
+
+def run_filter(log: RobotLog, gate: float = GATE, new_gate: float = NEW_GATE, **settings) -> FilterRecord:
+    """Run the filter over a whole log, and keep what it believed of every pose.
+
+    Args: as in ``filter_steps``.
+    """
+    labels, distance = np.full(log.num_observations, LEFT_OUT), np.full(log.num_observations, np.nan)
+    poses, pose_cov = np.empty((log.num_poses, 3)), np.empty((log.num_poses, 3, 3))
+    nis, nis_dof = np.full(log.num_poses, np.nan), np.zeros(log.num_poses, dtype=int)
+    for step in filter_steps(log, gate, new_gate, **settings):
+        t, matched = step.time, np.flatnonzero(step.decision >= 0)
+        labels[step.sightings] = step.labels
+        distance[step.sightings[matched]] = step.squared_distance[matched, step.decision[matched]]
+        poses[t], pose_cov[t] = step.mean[:3], step.cov[:3, :3]
+        nis[t], nis_dof[t] = step.nis, 2 * len(matched)
+    of_object = 3 + np.arange(len(step.mean) - 3).reshape(-1, 2)
+    landmark_cov = step.cov[of_object[:, :, None], of_object[:, None, :]]
+    return FilterRecord(poses, pose_cov, labels, step.mean[of_object], landmark_cov, distance, nis, nis_dof)
+
+
+def filter_steps(
+    log: RobotLog,
+    gate: float = GATE,
+    new_gate: float = NEW_GATE,
+    *,
+    odometry_std=None,
+    observation_std=None,
+    labels: np.ndarray | None = None,
+) -> Iterator[FilterStep]:
+    """Run the filter frame by frame.
+
+    Args:
+        log: what the robot measured.
+        gate: see ``ekf_slam``; so are ``new_gate`` and the standard deviations.
+        new_gate: the second gate.
+        odometry_std: (3,) m, m, rad.
+        observation_std: (2,) m.
+        labels: (M,) who is who, told instead of decided by gates and classes; -1 leaves a sighting out. No object may
+            appear twice in one frame. The filter numbers objects in the order in which it first sees them.
+
+    Yields:
+        one step for every pose.
+    """
+    odometry_std, observation_std = _noise(log, odometry_std, observation_std)
+    bounds, frames = squared_gates(gate, new_gate), _frames(log)
+    told = None if labels is None else _in_order_of_sight(labels, frames)
+    ekf, object_class = new_filter(), np.zeros(0, dtype=int)
+    for time, sightings in enumerate(frames):
+        if time > 0:
+            predict(ekf, log.odometry[time - 1], odometry_std)
+        prior, seen_class = (ekf.x.copy(), ekf.P.copy()), log.obs_class[sightings]
+        distance = squared_distances(*prior, log.obs_xy[sightings], observation_std)
+        if told is None:
+            distance[seen_class[:, None] != object_class] = np.inf
+            decision = assign(distance, *bounds)
+        else:
+            decision = np.where(told[sightings] < len(object_class), told[sightings], NEW)
+        founded = decision == NEW
+        found = np.where(founded, len(object_class) + np.cumsum(founded) - 1, decision)
+        ekf, nis = _absorb(ekf, decision, log.obs_xy[sightings], observation_std)
+        believed = ekf.x.copy(), ekf.P.copy()
+        yield FilterStep(time, sightings, *prior, object_class, distance, decision, found, nis, *believed)
+        object_class = np.append(object_class, seen_class[founded])
+
+
+def assign(squared_distance: np.ndarray, gate: float, new_gate: float) -> np.ndarray:
+    """Match the sightings of a frame with the objects, one to one.
+
+    Args:
+        squared_distance: (m, K), infinite where a match is out of the question.
+        gate: as a squared distance; nothing at or beyond it is matched.
+        new_gate: as a squared distance; a sighting beyond it from every object is new.
+
+    Returns:
+        (m,) the object, LEFT_OUT or NEW.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    num_sightings, num_objects = squared_distance.shape
+    # To match nothing costs as much as a match at the gate: a column of its own for every sighting.
+    cost = np.hstack([np.minimum(squared_distance, 2 * gate), np.full((num_sightings, num_sightings), gate)])
+    chosen = linear_sum_assignment(cost)[1]
+    inside = cost[np.arange(num_sightings), chosen] < gate
+    far = (squared_distance > new_gate).all(axis=1)
+    return np.where(inside, chosen, np.where(far, NEW, LEFT_OUT))
+
+
+def squared_gates(gate: float, new_gate: float) -> tuple[float, float]:
+    """The gates as squared Mahalanobis distances: quantiles of chi-squared with 2 degrees of freedom.
+
+    With two degrees it is an exponential distribution, so its quantile is ``-2 log(1 - p)``.
+
+    Raises:
+        ValueError: a gate is no probability below 1, or the second is inside the first.
+    """
+    if not 0 < gate < 1:
+        raise ValueError(f"gate: expected a probability between 0 and 1, got {gate}")
+    if not gate <= new_gate < 1:
+        raise ValueError(f"new_gate: expected a probability from gate = {gate} to below 1, got {new_gate}")
+    return -2 * math.log1p(-gate), -2 * math.log1p(-new_gate)
+
+
+def _absorb(ekf, decision: np.ndarray, xy: np.ndarray, observation_std: np.ndarray):
+    """The filter after the matches and then the new objects of a frame; NIS of the matches, NaN without any."""
+    matched, nis = decision >= 0, math.nan
+    if matched.any():
+        update(ekf, decision[matched], xy[matched], observation_std)
+        nis = float(ekf.y @ ekf.SI @ ekf.y)
+    for k in np.flatnonzero(decision == NEW):
+        ekf = with_new_object(ekf, xy[k], observation_std)
+    return ekf, nis
+
+
+def _noise(log: RobotLog, odometry_std, observation_std) -> tuple[np.ndarray, np.ndarray]:
+    """What the filter assumes: as given, or as the log says."""
+    given = (("odometry_std", odometry_std, (3,)), ("observation_std", observation_std, (2,)))
+    found = [getattr(log, name) if std is None else checked_array(name, std, shape) for name, std, shape in given]
+    for (name, _, _), std in zip(given, found, strict=True):
+        if not (std > 0).all():
+            raise ValueError(f"{name}: expected positive numbers, got {std.tolist()}")
+    return found[0], found[1]
+
+
+def _frames(log: RobotLog) -> list[np.ndarray]:
+    """The sightings of every pose, in the order of the log."""
+    in_time = np.argsort(log.obs_time, kind="stable")
+    return np.split(in_time, np.searchsorted(log.obs_time[in_time], np.arange(1, log.num_poses)))
+
+
+def _in_order_of_sight(labels: np.ndarray, frames: list[np.ndarray]) -> np.ndarray:
+    """The same partition (M,), its objects numbered as a filter meets them; -1 stays."""
+    in_time = np.concatenate(frames)
+    labels = checked_array("labels", labels, (len(in_time),), int)
+    for time, sightings in enumerate(frames):
+        used = labels[sightings][labels[sightings] >= 0]
+        if len(np.unique(used)) < len(used):
+            raise ValueError(f"labels: expected every object at most once in a frame, got one twice at pose {time}")
+    names, first = np.unique(labels[in_time], return_index=True)
+    number = np.full(len(names), LEFT_OUT)
+    number[names >= 0] = np.argsort(np.argsort(first[names >= 0]))
+    return number[np.searchsorted(names, labels)]

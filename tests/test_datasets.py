@@ -475,7 +475,7 @@ WRONG_VARIABLES = [
     ("lm_edge", "id2", np.zeros(8), "lm_edge.id2: expected whole numbers from 1 to 3, got 0 at entry 1"),
     ("lm_edge", "id2", np.full(8, 4), "lm_edge.id2: expected whole numbers from 1 to 3, got 4 at entry 1"),
     ("lm_edge", "label", np.zeros(8), "lm_edge.label: expected whole numbers from 1 to 10000, got 0"),
-    ("lm_edge", "label", np.full(8, 1e300), "lm_edge.label: expected whole numbers from 1 to 10000"),
+    ("lm_edge", "label", np.full(8, 1e14), "lm_edge.label: expected whole numbers from 1 to 10000"),
     ("lm_edge", "label", np.ones(7), "lm_edge.label: expected shape (8), got (7,)"),
     ("lm_edge", "dpos", np.zeros((3, 8)), "lm_edge.dpos: expected shape (2, any), got (3, 8)"),
     ("lm_edge", "dpos", {"x": 1}, "lm_edge.dpos: expected real numbers, got dtype object"),

@@ -210,6 +210,10 @@ def test_committed_outputs_do_not_show_the_authors_data(notebook):
 
 # What the tagged cells print when the file is there: the lesson, the file, and patterns of the text.
 ON_THE_AUTHORS_DATA = {
+    "03_pose_graph": (
+        "mu2016_simulation.mat",
+        [r"step 0 dropped: chi2 2167\.8 for 2166", r"step 0 kept: chi2 2425\.9 for 2166"],
+    ),
     "07_fifteen_objects": (
         "mu2016_simulation.mat",
         ["766 poses, 1098 sightings", r"chi2 per dof 1\.001", r"noise 0\.0: objects \[1098, .*15\]"],

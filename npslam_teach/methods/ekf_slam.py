@@ -79,7 +79,8 @@ def ekf_slam(
 
     Yields:
         the frame-by-frame start, and the result: every pose as it was filtered at its own time, the objects as they are
-        at the end. Sightings that were left out have label -1.
+        at the end. Sightings that were left out have label -1. Its chi2 is large, because such a path jumps wherever
+        the filter corrected itself; ``solve_with_labels`` smooths it.
     """
     odometry_std, observation_std = _noise(log, odometry_std, observation_std)
     squared_gates(gate, new_gate)

@@ -1,0 +1,57 @@
+"""Pictures of lesson 07: what became of many rooms, and of every pair of settings."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.ticker import MaxNLocator
+
+from npslam_teach.plotting.style import TEXT_SIZE, class_style, label_axes, legend_beside
+
+
+def plot_rooms(ax: Axes, found, errors, num_objects_true: int = 15) -> Axes:
+    """The error of the path against the number of objects found, one point for each room.
+
+    Args:
+        ax: any axes.
+        found: (N,) numbers of objects.
+        errors: (N,) m, mean pose errors.
+        num_objects_true: rooms that end with it are marked as such.
+    """
+    found, errors = np.asarray(found), np.asarray(errors)
+    exact = found == num_objects_true
+    for k, (chosen, name) in enumerate([(exact, f"found {num_objects_true}"), (~exact, "found another number")]):
+        color, marker = class_style(k)
+        style = {"color": color, "markeredgecolor": "black", "alpha": 0.7}
+        ax.plot(found[chosen], errors[chosen], marker, markersize=8, label=name, **style)
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+    ax.set_ylim(bottom=0.0)
+    legend_beside(ax)
+    return label_axes(ax, "objects found (number)", "mean pose error (m)", f"{len(found)} rooms")
+
+
+def plot_settings(ax: Axes, counts: np.ndarray, alphas, thresholds, num_objects_true: int = 15) -> Axes:
+    """Heat map over alpha and threshold: the median number of objects, and in how many rooms it was right.
+
+    Args:
+        ax: any axes.
+        counts: (A, P, N) objects found for each alpha, each threshold and each room.
+        alphas: (A,).
+        thresholds: (P,); None stands for "the most probable wins".
+        num_objects_true: what is right.
+    """
+    medians, right = np.median(counts, axis=2), np.count_nonzero(counts == num_objects_true, axis=2)
+    # Light where the number is small: dark text on it, white text on the dark cells.
+    image = ax.imshow(medians, cmap="YlGnBu", norm=LogNorm(5, 1500), aspect="auto", origin="lower")
+    for (a, p), median in np.ndenumerate(medians):
+        color = "white" if median > 240 else "black"
+        text = f"{median:.0f}\n{right[a, p]} of {counts.shape[2]}"
+        weight = "bold" if right[a, p] == counts.shape[2] else "normal"
+        ax.text(p, a, text, ha="center", va="center", color=color, fontsize=TEXT_SIZE["tick"], fontweight=weight)
+    label_axes(ax, "threshold (probability)", "alpha (weight of a new object, in votes)")
+    ax.set_xticks(range(len(thresholds)), ["most probable\nwins" if p is None else f"{p:g}" for p in thresholds])
+    ax.set_yticks(range(len(alphas)), [f"{a:g}" for a in alphas])
+    ax.grid(False)
+    ax.set_title("median number of objects, and rooms with the right number", fontsize=TEXT_SIZE["title"])
+    bar = ax.figure.colorbar(image, ax=ax)
+    bar.set_label("objects (number, log scale)", fontsize=TEXT_SIZE["label"])
+    return ax

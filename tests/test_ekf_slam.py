@@ -392,6 +392,10 @@ def test_the_snapshots_are_the_record(scene):
     np.testing.assert_array_equal(last.graph.poses, record.poses)
     np.testing.assert_array_equal(last.graph.landmarks, record.landmarks)
     np.testing.assert_allclose(last.graph.between.information[0], np.diag(log.odometry_std**-2.0))
+    np.testing.assert_allclose(last.graph.observations.information[0], np.diag(log.observation_std**-2.0))
+    *_, coarse = ekf_slam(log, odometry_std=(0.3, 0.2, 0.1), observation_std=(0.5, 0.4))
+    np.testing.assert_allclose(coarse.graph.between.information[0], np.diag([0.3**-2, 0.2**-2, 0.1**-2]))
+    np.testing.assert_allclose(coarse.graph.observations.information[0], np.diag([0.5**-2, 0.4**-2]))
 
 
 def test_one_pose_and_no_sighting():

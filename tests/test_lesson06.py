@@ -265,6 +265,19 @@ def test_below_one_half_the_cup_goes_with_the_ghost(toy):
     assert "Obj_7" in words and "Obj_8" in words and "3 of 5 objects remain" in words
 
 
+@pytest.mark.parametrize("module", [alternation, false_positives])
+def test_errors_of_the_explorers_reach_the_student(module, toy, monkeypatch):
+    make = alternation.explore_alternation if module is alternation else false_positives.explore_false_positives
+    explorer = make(*toy)
+
+    def broken(*arguments):
+        raise RuntimeError("no words")
+
+    monkeypatch.setattr(module, "words", broken)
+    with pytest.raises(RuntimeError, match="no words"):
+        explorer.move(**{name: each.max for name, each in explorer.sliders.items()})
+
+
 # --- the checks ------------------------------------------------------------------------------------------------------
 
 NAMES = ("my_objective", "votes_of_others", "one_alternation", "kept")

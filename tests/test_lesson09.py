@@ -304,8 +304,10 @@ DISTANCES = {"Obj_5": {"chair A": 1.643, "chair B": 1.232}, "Obj_6": {"screen A"
 def test_words_and_artists_agree_with_the_distances(explorer, size, second_gate):
     words = explorer.move(gate=size, second_gate=second_gate)
     wider, ax = max(size, second_gate), explorer.figure.axes[0]
-    assert words.startswith(f"Gates at {size:.1f} and {wider:.1f} standard deviations: the first lets ")
-    assert float(re.search(r"lets ([\d.]+) %", words).group(1)) == pytest.approx(100 * chi2.cdf(size**2, 2), abs=0.05)
+    assert words.startswith(f"Gates at {size:.1f} and {wider:.1f} standard deviations; ")
+    assert float(re.search(r"; ([\d.]+) % of right", words).group(1)) == pytest.approx(
+        100 * chi2.cdf(size**2, 2), abs=0.05
+    )
     for name, rivals in DISTANCES.items():
         nearest = min(rivals, key=rivals.get)
         away = rivals[nearest]

@@ -48,7 +48,7 @@ def in_words(picture: lesson09.GateMap, answers: list[str], gate: float, second_
     """The gates, and for every sighting its distances to the nearest objects and what becomes of it."""
     share = 100 * lesson09.share_within(gate)
     parts = [
-        f"Gates at {gate:.1f} and {second_gate:.1f} standard deviations: the first lets {share:.1f} % of right matches pass."
+        f"Gates at {gate:.1f} and {second_gate:.1f} standard deviations; {share:.1f} % of right matches pass the first."
     ]
     for k, squared, words in zip(picture.step.sightings, picture.squared_distance, answers, strict=True):
         order = [j for j in np.argsort(squared, kind="stable")[:nearest] if np.isfinite(squared[j])]

@@ -20,7 +20,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from npslam_teach.data import BetweenFactors, ObservationFactors, PoseGraph
+from npslam_teach.data import LARGEST, BetweenFactors, ObservationFactors, PoseGraph
 from npslam_teach.files import atomic_write, read_bytes, shorten
 
 _FIELDS = {  # tag -> names of its ids, names of its numbers
@@ -159,6 +159,8 @@ def _number(field: bytes) -> float:
         value = math.nan
     if not math.isfinite(value) or b"_" in field:
         raise ValueError("expected a finite number")
+    if abs(value) > LARGEST:
+        raise ValueError(f"expected a number up to {LARGEST:g}")
     return value
 
 

@@ -173,6 +173,7 @@ WRONG = [
     ("VERTEX_XY 4 1 1", 8, "id: expected a new id, got 4, which line 2 defines already"),
     ("VERTEX_SE2 8 1 1", 8, "VERTEX_SE2: expected 4 values (id x y theta), got 3"),
     ("VERTEX_SE2 8 1 1 1 1", 8, "VERTEX_SE2: expected 4 values (id x y theta), got 5"),
+    ("VERTEX_SE2 8 1 1e200 1", 8, "VERTEX_SE2 y: expected a number up to 1e+15, got '1e200'"),
     ("VERTEX_SE2 8 1 nan 1", 8, "VERTEX_SE2 y: expected a finite number, got 'nan'"),
     ("VERTEX_SE2 8 1 1 inf", 8, "VERTEX_SE2 theta: expected a finite number, got 'inf'"),
     ("VERTEX_SE2 8 1 1 1e999", 8, "VERTEX_SE2 theta: expected a finite number, got '1e999'"),

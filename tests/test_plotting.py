@@ -20,7 +20,7 @@ from PIL import Image
 from npslam_teach import plotting
 from npslam_teach.data import GroundTruth, ObservationFactors, RobotLog, Snapshot, World
 from npslam_teach.evaluate import evaluate
-from npslam_teach.methods import METHODS
+from npslam_teach.methods import PAPER_METHODS as METHODS
 from npslam_teach.plotting import style
 from npslam_teach.simulate import fifteen_objects
 

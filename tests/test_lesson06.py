@@ -149,6 +149,18 @@ def test_the_map_of_belonging_ties_each_sighting_to_its_object(toy, toy_run):
         apart(ax)
 
 
+def test_half_steps_alternate_between_two_markers():
+    figure, ax = plotting.new_figure(size=(7, 4))
+    pictures.plot_half_steps(ax, [9.0, 5.0, 4.0, 3.0, 2.0])
+    curve, who, where, start = ax.lines
+    np.testing.assert_array_equal(curve.get_ydata(), [9, 5, 4, 3, 2])
+    np.testing.assert_array_equal(who.get_xydata(), [[1, 5], [3, 3]])
+    np.testing.assert_array_equal(where.get_xydata(), [[2, 4], [4, 2]])
+    assert len({who.get_marker(), where.get_marker(), start.get_marker()}) == 3
+    assert axis_labels(ax) == ("half-step (number)", "objective (nats)")
+    texts_inside(figure)
+
+
 def test_groupings_are_ranked_and_some_are_named():
     figure, ax = plotting.new_figure()
     pictures.plot_groupings(ax, [7.0, 3.0, 5.0, 90.0], {"truth": 2, "worst": 3}, "all of them")

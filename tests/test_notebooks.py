@@ -241,3 +241,11 @@ def test_every_lesson_on_the_authors_data(notebook, path, data_folder):
     text = "".join(shown(cell) for cell in data_cells)
     for pattern in patterns:
         assert re.search(pattern, text), pattern
+
+
+def test_the_map_of_the_course_gives_every_lessons_own_minutes():
+    table = "".join(cell.source for cell in text_cells(nbformat.read(NOTEBOOKS[0], as_version=4)))
+    for path in NOTEBOOKS[1:]:
+        first = nbformat.read(path, as_version=4).cells[0].source
+        minutes = re.search(r"\*\*Time:\*\* (\d+) minutes", first).group(1)
+        assert re.search(rf"\({path.name}\) \| .* \| {minutes} \|", table), path.stem

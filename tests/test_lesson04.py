@@ -2,18 +2,16 @@
 
 import itertools
 
-import nbformat
 import numpy as np
 import pytest
+from exercises import assert_accepts_the_solution_and_no_blank, assert_no_answer_breaks, solved_names
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
 from matplotlib.text import Text
 
 from npslam_teach import dead_reckoning, plotting, se2, simulate
 from npslam_teach.associate import association_probabilities, association_weights, decide
-from npslam_teach.checks import BLANK
 from npslam_teach.checks import lesson04 as checks
-from npslam_teach.commands import ROOT
 from npslam_teach.dirichlet import expected_num_objects
 from npslam_teach.figures import lesson04 as figures
 from npslam_teach.plotting import lesson04
@@ -33,19 +31,12 @@ CHECKS = {
 @pytest.fixture(scope="module")
 def solved():
     """What the solutions notebook defines, by name."""
-    scope = {}
-    for cell in nbformat.read(ROOT / "notebooks" / "solutions" / "04_solutions.ipynb", as_version=4).cells:
-        if any(tag == "setup" or tag.startswith("exercise-") for tag in cell.metadata.get("tags", [])):
-            exec(cell.source, scope)  # the file is our own
-    return scope
+    return solved_names("04")
 
 
 @pytest.mark.parametrize("name", CHECKS)
 def test_solutions_are_accepted_and_blanks_are_not(name, solved):
-    assert CHECKS[name](solved[name]).passed
-    for blank in (..., None, lambda *a: ..., lambda *a: None):
-        verdict = CHECKS[name](blank)
-        assert not verdict.passed and verdict.message == BLANK
+    assert_accepts_the_solution_and_no_blank(CHECKS[name], solved[name])
 
 
 @pytest.mark.parametrize("name", CHECKS)
@@ -54,9 +45,7 @@ def test_solutions_are_accepted_and_blanks_are_not(name, solved):
     ["text", {}, [], [[1], [1, 2]], np.nan, np.zeros((2, 2, 2)), [1, 2, 3, 4], object(), "1", np.full(3, np.inf), True],
 )
 def test_no_answer_breaks_a_check(name, answer):
-    assert not CHECKS[name](lambda *a: answer).passed
-    assert not CHECKS[name](answer).passed
-    assert not CHECKS[name](lambda: answer).passed
+    assert_no_answer_breaks(CHECKS[name], answer)
 
 
 @pytest.mark.parametrize(

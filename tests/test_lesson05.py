@@ -1,15 +1,13 @@
 """Lesson 05: its checks know the usual mistakes, its pictures hold the numbers, its densities are densities."""
 
-import nbformat
 import numpy as np
 import pytest
+from exercises import assert_accepts_the_solution_and_no_blank, assert_no_answer_breaks, solved_names
 from matplotlib.colors import to_hex
 from test_lesson04 import assert_readable
 
 from npslam_teach import plotting, simulate
-from npslam_teach.checks import BLANK
 from npslam_teach.checks import lesson05 as checks
-from npslam_teach.commands import ROOT
 from npslam_teach.dirichlet import class_posterior, count_votes, false_positives
 from npslam_teach.evaluate import Metrics
 from npslam_teach.figures import lesson05 as figures
@@ -32,19 +30,12 @@ CHECKS = {
 @pytest.fixture(scope="module")
 def solved():
     """What the solutions notebook defines, by name."""
-    scope = {}
-    for cell in nbformat.read(ROOT / "notebooks" / "solutions" / "05_solutions.ipynb", as_version=4).cells:
-        if any(tag == "setup" or tag.startswith("exercise-") for tag in cell.metadata.get("tags", [])):
-            exec(cell.source, scope)  # the file is our own
-    return scope
+    return solved_names("05")
 
 
 @pytest.mark.parametrize("name", CHECKS)
 def test_solutions_are_accepted_and_blanks_are_not(name, solved):
-    assert CHECKS[name](solved[name]).passed
-    for blank in (..., None, lambda *a: ..., lambda *a: None):
-        verdict = CHECKS[name](blank)
-        assert not verdict.passed and verdict.message == BLANK
+    assert_accepts_the_solution_and_no_blank(CHECKS[name], solved[name])
 
 
 @pytest.mark.parametrize("name", CHECKS)
@@ -53,9 +44,7 @@ def test_solutions_are_accepted_and_blanks_are_not(name, solved):
     ["text", {}, [], [[1], [1, 2]], np.nan, np.zeros((2, 2, 2)), [1, 2, 3, 4], object(), "1", np.full(3, np.inf), True],
 )
 def test_no_answer_breaks_a_check(name, answer):
-    assert not CHECKS[name](lambda *a: answer).passed
-    assert not CHECKS[name](answer).passed
-    assert not CHECKS[name](lambda: answer).passed
+    assert_no_answer_breaks(CHECKS[name], answer)
 
 
 def without_add_at(labels, obs_class, num_objects, num_classes):

@@ -1,31 +1,42 @@
 """The pose graph: the trajectory and the map that agree best with all measurements, by Gauss-Newton.
 
-chi2 is the sum of ``r^T Omega r`` over all factors (no one-half). Around the present estimate every residual is
-nearly linear, ``r + J dx``, and the best step of the linear problem solves the normal equations ``H dx = -b`` with
-``H = sum J^T Omega J`` and ``b = sum J^T Omega r`` (Grisetti et al., "A Tutorial on Graph-Based SLAM", 2010).
+chi2 is the sum of ``r^T Omega r`` over all factors (no one-half). ``linearization`` turns the factors into the normal
+equations ``H dx = -b`` of one step, ``factorize`` solves them, and here the steps are strung together.
 
-* The unknowns are the world coordinates ``[x, y, theta]`` of poses 1, 2, ... and then ``[x, y]`` of the landmarks;
-  the update is a plain addition with theta wrapped. ``scipy.optimize.least_squares`` on the same vector is therefore
-  an exact oracle, and the marginal covariances are world ellipses.
-* The whole map could be shifted and turned without any measurement noticing. This freedom, the *gauge*, is removed by
-  leaving pose 0 out of the system. Adding the identity to H would give the same map and wrong covariances.
+* The update is a plain addition to the world coordinates, with theta wrapped. ``scipy.optimize.least_squares`` on the
+  same vector is therefore an exact oracle, and the marginal covariances are world ellipses.
+* Pose 0 is held still. Adding the identity to H would give the same map and wrong covariances.
 """
 
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.data import PoseGraph, checked_index
-from npslam_teach.residuals import (
-    between_jacobians,
-    between_residual,
-    observation_jacobians,
-    observation_residual,
+from npslam_teach.chordal import chordal_start
+from npslam_teach.covariance import marginal_covariance
+from npslam_teach.data import PoseGraph
+from npslam_teach.determined import require_determined, require_touched
+from npslam_teach.factorize import factorizer
+from npslam_teach.linearization import (
+    Residuals,
+    chi2,
+    graph_structure,
+    linearize,
+    normal_equations,
+    residuals,
 )
-from npslam_teach.sparse import BlockGroup, BlockStructure, block_structure
+from npslam_teach.validation import LARGEST
+
+__all__ = ["Step", "chi2", "chordal_start", "descend", "gauss_newton", "linearize", "marginal_covariance", "optimize"]
+
+ROUNDING = 1e-13  # the share of chi2 that is lost when it is added up
+MOST_DAMPING = 1e12
+MOST_CORRECTIONS = 3
+BELIEVED = 0.75  # the share of what the linear problem promised that corrections must bring
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,215 +49,157 @@ class Step:
     dx: np.ndarray  # (n,) the step itself: poses 1.., then landmarks
     damping: float  # 0 for a pure Gauss-Newton step
     converged: bool
-    status: str  # why the iteration stopped, or "running"
+    status: str  # "running", "converged", or why the iteration stopped without
 
 
-def chi2(graph: PoseGraph) -> float:
-    """The sum of ``r^T Omega r`` over all factors of the graph."""
-    r_between, r_observation = _residuals(graph)
-    return _weighted_square(r_between, graph.between.information) + _weighted_square(
-        r_observation, graph.observations.information
-    )
-
-
-def linearize(graph: PoseGraph):
-    """The normal equations at the present estimate.
-
-    Returns:
-        H (n, n) ``scipy.sparse.csc_array``, b (n,) and chi2. Unknowns: poses 1.. (three each), then landmarks (two
-        each). Pose 0 is left out.
-    """
-    structure = graph_structure(graph)
-    data, b, value = _assemble(graph, structure)
-    return structure.natural_matrix(data), b, value
-
-
-def gauss_newton(graph: PoseGraph, tolerance: float = 1e-9, max_iterations: int = 100) -> Iterator[Step]:
+def gauss_newton(
+    graph: PoseGraph, tolerance: float = 1e-9, max_iterations: int = 100, library: str | None = None
+) -> Iterator[Step]:
     """Improve the graph step by step.
 
-    A step that would raise chi2 is shortened by damping (a multiple of H's own diagonal, Levenberg and Marquardt)
-    until it lowers it.
+    A step that would raise chi2 is followed by the next ones, which may make up for it; if they do not, it is taken
+    back and shortened by damping (a multiple of H's own diagonal, Levenberg and Marquardt) until it lowers chi2.
 
     Args:
         graph: the start; pose 0 stays where it is.
         tolerance: stop when a step lowers chi2 by less than this share of it.
         max_iterations: stop after this many steps, converged or not.
+        library: that solves the linear systems, see ``factorize.factorizer``.
 
     Yields:
-        the start as iteration 0, then every step. The last one says whether it ``converged``.
+        the start as iteration 0, then every step. The last one says whether it ``converged``, or why not.
 
     Raises:
-        numpy.linalg.LinAlgError: when a pose or landmark is not determined by the factors.
+        numpy.linalg.LinAlgError: when a pose or landmark is not determined by the factors; it is named.
     """
     if max_iterations < 1:
         raise ValueError(f"max_iterations: expected a positive number, got {max_iterations}")
-    structure = graph_structure(graph)
+    if not 0 <= tolerance < 1:
+        raise ValueError(f"tolerance: expected a share from 0 to 1, got {tolerance}")
+    require_touched(graph)
     # A heading of many turns would swallow small steps in rounding.
     graph = replace(graph, poses=np.column_stack([graph.poses[:, :2], se2.wrap(graph.poses[:, 2])]))
-    if structure.num_unknowns == 0:
-        yield Step(0, graph, chi2(graph), np.zeros(0), 0.0, True, "converged")
-        return
-    step = Step(0, graph, chi2(graph), np.zeros(structure.num_unknowns), 0.0, False, "running")
+    structure, at = graph_structure(graph), residuals(graph)
+    status = "running" if structure.num_unknowns else "converged"
+    step = Step(0, graph, at.chi2, np.zeros(structure.num_unknowns), 0.0, status == "converged", status)
     yield step
+    factorize = factorizer(structure, library)
     while step.status == "running":
-        data, b, before = _assemble(step.graph, structure)
+        data, b = normal_equations(step.graph, structure, at)
+        if step.iteration == 0:
+            require_determined(step.graph, structure, data, factorize)
         # A perfect fit ends at rounding error, of which no relative decrease can be asked.
-        negligible = tolerance * before + 1e-20 * len(b)
-        moved, after, dx, damping = _descend(step.graph, structure, data, b, before, negligible, step.damping)
-        iteration, converged = step.iteration + 1, before - after <= negligible
-        status = "converged" if converged else "iteration limit" if iteration >= max_iterations else "running"
-        step = Step(iteration, moved, after, dx, damping, converged, status)
+        negligible = max(tolerance, ROUNDING) * at.chi2 + 1e-20 * len(b)
+        trial = _descend(step, at, data, b, structure, factorize, negligible)
+        status = _status(step, at.chi2, trial, negligible, max_iterations)
+        at = trial.at
+        step = Step(step.iteration + 1, trial.graph, at.chi2, trial.dx, trial.damping, status == "converged", status)
         yield step
 
 
+def descend(graph: PoseGraph, tolerance: float = 1e-9, max_iterations: int = 100) -> list[Step]:
+    """``gauss_newton`` from the given start and, where that proves to be a bad one, from the chordal start.
+
+    A start is bad when a step from it had to be damped, or when nothing converged. The chordal start can be better only
+    where factors between poses close loops: along a mere chain it is the odometry.
+
+    Args: as in ``gauss_newton``.
+
+    Returns:
+        the steps of the descent that ended lower.
+    """
+    steps = list(gauss_newton(graph, tolerance, max_iterations))
+    well_begun = steps[-1].converged and not any(step.damping for step in steps)
+    if well_begun or len(graph.between.i) < len(graph.poses):
+        return steps
+    others = list(gauss_newton(chordal_start(graph), tolerance, max_iterations))
+    return min((steps, others), key=lambda descent: descent[-1].chi2)
+
+
 def optimize(graph: PoseGraph, tolerance: float = 1e-9, max_iterations: int = 100) -> PoseGraph:
-    """The graph at the minimum of chi2; warns where ``gauss_newton`` did not converge."""
-    *_, last = gauss_newton(graph, tolerance, max_iterations)
+    """The graph at the minimum of chi2, from whichever start ``descend`` finds it; warns where nothing converged."""
+    last = descend(graph, tolerance, max_iterations)[-1]
     if not last.converged:
         warnings.warn(f"the solver stopped after {last.iteration} iterations: {last.status}", stacklevel=2)
     return last.graph
 
 
-def marginal_covariance(graph: PoseGraph, poses=(), landmarks=()) -> tuple[np.ndarray, np.ndarray]:
-    """Covariances of single poses and landmarks, all others integrated out: blocks of the inverse of H.
-
-    They are relative to pose 0, whose own covariance is zero, and mean what they say at the minimum of chi2.
-
-    Args:
-        graph: at its minimum.
-        poses: (P,) indices.
-        landmarks: (L,) indices.
-
-    Raises:
-        ValueError: for an index that does not exist.
-
-    Returns:
-        (P, 3, 3) m, m, rad in W and (L, 2, 2) m in W.
-    """
-    structure = graph_structure(graph)
-    solve = structure.factorize(_assemble(graph, structure)[0])
-    poses = checked_index("poses", poses, len(graph.poses))
-    landmarks = checked_index("landmarks", landmarks, len(graph.landmarks))
-    free_pose_unknowns = 3 * (poses[poses > 0, None] - 1) + np.arange(3)
-    landmark_unknowns = 3 * (len(graph.poses) - 1) + 2 * landmarks[:, None] + np.arange(2)
-    pose_cov = np.zeros((len(poses), 3, 3))
-    pose_cov[poses > 0] = _inverse_blocks(solve, free_pose_unknowns, structure.num_unknowns)
-    return pose_cov, _inverse_blocks(solve, landmark_unknowns, structure.num_unknowns)
+class _Trial(NamedTuple):
+    graph: PoseGraph
+    at: Residuals
+    dx: np.ndarray
+    damping: float
+    stuck: bool  # the linear problem promises a better fit, and no step finds it
 
 
-def graph_structure(graph: PoseGraph) -> BlockStructure:
-    """Where the blocks of H go: blocks 0.. are poses 1.., then come the landmarks; pose 0 is held still.
-
-    Raises:
-        numpy.linalg.LinAlgError: when a pose or landmark is not tied to pose 0 by any chain of factors.
-    """
-    _require_connected(graph)
-    free_poses = len(graph.poses) - 1
-    i, j, pose = graph.between.i - 1, graph.between.j - 1, graph.observations.pose - 1  # pose 0 becomes FIXED
-    landmark = graph.observations.landmark + free_poses
-    groups = [
-        BlockGroup(i, i, 3, 3),
-        BlockGroup(i, j, 3, 3),
-        BlockGroup(j, i, 3, 3),
-        BlockGroup(j, j, 3, 3),
-        BlockGroup(pose, pose, 3, 3),
-        BlockGroup(pose, landmark, 3, 2),
-        BlockGroup(landmark, pose, 2, 3),
-        BlockGroup(landmark, landmark, 2, 2),
-    ]
-    return block_structure(np.repeat([3, 2], [free_poses, len(graph.landmarks)]), groups)
-
-
-def _residuals(graph: PoseGraph) -> tuple[np.ndarray, np.ndarray]:
-    poses, between, observations = graph.poses, graph.between, graph.observations
-    return (
-        between_residual(poses[between.i], poses[between.j], between.relative_pose),
-        observation_residual(poses[observations.pose], graph.landmarks[observations.landmark], observations.xy),
-    )
-
-
-def _weighted_square(residual: np.ndarray, information: np.ndarray) -> float:
-    return float(np.einsum("ei,eij,ej->", residual, information, residual))
-
-
-def _assemble(graph: PoseGraph, structure: BlockStructure) -> tuple[np.ndarray, np.ndarray, float]:
-    """All blocks ``J^T Omega J`` in their places, ``b`` (n,) and chi2."""
-    poses, between, observations = graph.poses, graph.between, graph.observations
-    seen = graph.landmarks[observations.landmark]
-    r_between, r_observation = _residuals(graph)
-    blocks, b_i, b_j = _normal_blocks(
-        *between_jacobians(poses[between.i], poses[between.j]), between.information, r_between
-    )
-    observation_blocks, b_pose, b_landmark = _normal_blocks(
-        *observation_jacobians(poses[observations.pose], seen), observations.information, r_observation
-    )
-    b_poses, b_landmarks = np.zeros_like(poses), np.zeros_like(graph.landmarks)
-    np.add.at(b_poses, between.i, b_i)
-    np.add.at(b_poses, between.j, b_j)
-    np.add.at(b_poses, observations.pose, b_pose)
-    np.add.at(b_landmarks, observations.landmark, b_landmark)
-    data = structure.gather(np.concatenate([block.ravel() for block in blocks + observation_blocks]))
-    value = _weighted_square(r_between, between.information)
-    value += _weighted_square(r_observation, observations.information)
-    return data, np.concatenate([b_poses[1:].ravel(), b_landmarks.ravel()]), value
-
-
-def _normal_blocks(jacobian_a, jacobian_b, information, residual):
-    """What factors between variables a and b add: blocks of H at aa, ab, ba, bb, and to b at a and b."""
-    a_omega = jacobian_a.swapaxes(1, 2) @ information
-    b_omega = jacobian_b.swapaxes(1, 2) @ information
-    blocks = [a_omega @ jacobian_a, a_omega @ jacobian_b, b_omega @ jacobian_a, b_omega @ jacobian_b]
-    return blocks, (a_omega @ residual[..., None])[..., 0], (b_omega @ residual[..., None])[..., 0]
-
-
-def _descend(graph, structure, data, b, before, negligible, damping):
-    """The Gauss-Newton step, damped as little as lowers chi2: the moved graph, its chi2, dx and the damping."""
-    damping = damping / 10 if damping > 1e-8 else 0.0
-    diagonal = data[structure.diagonal]
-    while True:
-        damped = data.copy()
-        damped[structure.diagonal] += damping * diagonal
-        dx = structure.factorize(damped)(-b)
-        moved = _moved(graph, dx)
-        after = chi2(moved)
-        if after <= before:
-            return moved, after, dx, damping
-        if -b @ dx <= negligible:  # all that the linear problem still promises
-            return graph, before, np.zeros_like(dx), damping
+def _descend(step: Step, at: Residuals, data, b, structure, factorize, negligible: float) -> _Trial:
+    """The Gauss-Newton step, damped as little as lowers chi2; no step at all where nothing lowers it."""
+    damping, stuck = step.damping / 10 if step.damping > 1e-8 else 0.0, False
+    while damping <= MOST_DAMPING:
+        dx = _solution(factorize, _damped(data, structure.diagonal, damping), -b)
+        moved, after = _moved(step.graph, dx)
+        promised = -b @ dx if after.chi2 < np.inf else np.inf
+        if at.chi2 < after.chi2 < np.inf and damping == 0:
+            moved, after, dx = _corrected(moved, after, dx, at.chi2 - BELIEVED * promised, structure, factorize)
+        if after.chi2 <= at.chi2:
+            return _Trial(moved, after, dx, damping, False)
+        if promised <= negligible or after.chi2 - at.chi2 <= ROUNDING * at.chi2:
+            break
+        stuck = True
         damping = max(10 * damping, 1e-6)
+    return _Trial(step.graph, at, np.zeros_like(b), damping, stuck)
 
 
-def _moved(graph: PoseGraph, dx: np.ndarray) -> PoseGraph:
+def _corrected(moved: PoseGraph, after: Residuals, dx, believed: float, structure, factorize):
+    """Follow a step that has overshot: chi2's valley is curved, and from its slope further steps may reach its floor.
+
+    A long chain that has to bend is such a valley: damping would stop the bend along with the overshoot, and creep.
+    Below ``believed`` the steps together have brought what the first one promised; if they never come there, they may
+    have left for another valley, and the first step is returned as it was.
+    """
+    first = moved, after, dx
+    for _ in range(MOST_CORRECTIONS):
+        data, b = normal_equations(moved, structure, after)
+        correction = _solution(factorize, data, -b)
+        nearer, lower = _moved(moved, correction)
+        if not lower.chi2 < after.chi2:
+            break
+        moved, after, dx = nearer, lower, dx + correction
+        if after.chi2 <= believed:
+            return moved, after, dx
+    return first
+
+
+def _solution(factorize, data: np.ndarray, rhs: np.ndarray) -> np.ndarray:
+    """The step that solves the linear problem; an infinite one where rounding has made H singular on the way."""
+    try:
+        return factorize(data)(rhs)
+    except np.linalg.LinAlgError:
+        return np.full_like(rhs, np.inf)
+
+
+def _damped(data: np.ndarray, diagonal: np.ndarray, damping: float) -> np.ndarray:
+    if damping == 0:
+        return data
+    damped = data.copy()
+    damped[diagonal] *= 1 + damping
+    return damped
+
+
+def _status(step: Step, before: float, trial: _Trial, negligible: float, max_iterations: int) -> str:
+    if trial.stuck:
+        return "no step lowers chi2"
+    if before - trial.at.chi2 <= negligible:
+        return "converged"
+    return "running" if step.iteration + 1 < max_iterations else "iteration limit"
+
+
+def _moved(graph: PoseGraph, dx: np.ndarray) -> tuple[PoseGraph, Residuals]:
+    """The graph after a step, and its residuals; the same graph and an infinite chi2 for a step out of this world."""
+    if not np.abs(dx).max() < LARGEST / 10:
+        return graph, Residuals(np.empty((0, 3)), np.empty((0, 2)), np.inf)
     poses, num_pose_unknowns = graph.poses.copy(), 3 * (len(graph.poses) - 1)
     poses[1:] += dx[:num_pose_unknowns].reshape(-1, 3)
     poses[:, 2] = se2.wrap(poses[:, 2])
-    return replace(graph, poses=poses, landmarks=graph.landmarks + dx[num_pose_unknowns:].reshape(-1, 2))
-
-
-def _inverse_blocks(solve, unknowns: np.ndarray, num_unknowns: int, batch: int = 256) -> np.ndarray:
-    """Diagonal blocks of the inverse of H: (B, k, k) for (B, k) unknowns, a batch of columns at a time."""
-    num_blocks, size = unknowns.shape
-    columns = np.empty((num_blocks, size, size))
-    for begin in range(0, num_blocks, batch):
-        wanted = unknowns[begin : begin + batch]
-        rhs = np.zeros((num_unknowns, wanted.size))
-        rhs[wanted.ravel(), np.arange(wanted.size)] = 1.0
-        solution = solve(rhs).reshape(num_unknowns, len(wanted), size)
-        columns[begin : begin + batch] = solution[wanted, np.arange(len(wanted))[:, None], :]
-    return 0.5 * (columns + columns.swapaxes(1, 2))
-
-
-def _require_connected(graph: PoseGraph) -> None:
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    num_poses, num_nodes = len(graph.poses), len(graph.poses) + len(graph.landmarks)
-    ends = np.concatenate([graph.between.i, graph.observations.pose])
-    other_ends = np.concatenate([graph.between.j, graph.observations.landmark + num_poses])
-    edges = coo_array((np.ones(len(ends)), (ends, other_ends)), shape=(num_nodes, num_nodes))
-    _, component = connected_components(edges, directed=False)
-    loose = np.flatnonzero(component != component[0])
-    if loose.size:
-        node = loose[0]
-        name = f"pose {node}" if node < num_poses else f"landmark {node - num_poses}"
-        raise np.linalg.LinAlgError(f"{name} is not tied to pose 0 by any chain of factors")
+    moved = replace(graph, poses=poses, landmarks=graph.landmarks + dx[num_pose_unknowns:].reshape(-1, 2))
+    return moved, residuals(moved)

@@ -26,16 +26,18 @@ def between_residual(pose_i: np.ndarray, pose_j: np.ndarray, measured: np.ndarra
     Returns:
         (..., 3) m, m, rad, in R_i.
     """
-    difference = se2.between(pose_i, pose_j) - measured
-    difference[..., 2] = se2.wrap(difference[..., 2])
-    return difference
+    pose_i, pose_j, measured = np.asarray(pose_i), np.asarray(pose_j), np.asarray(measured)
+    xy = se2.transform_from(pose_i, pose_j[..., :2]) - measured[..., :2]
+    turn = se2.wrap(pose_j[..., 2] - pose_i[..., 2] - measured[..., 2])
+    return np.concatenate([xy, turn[..., None]], axis=-1)
 
 
 def between_jacobians(pose_i: np.ndarray, pose_j: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Derivatives of ``between_residual`` by pose i and by pose j.
 
-    With ``d = p_j - p_i`` and ``R = R(theta_i)`` the residual is ``[R^T d, theta_j - theta_i] - o``. Moving ``p_j``
-    moves it by ``R^T``, moving ``p_i`` by ``-R^T``, and turning ``theta_i`` by the derivative of ``R^T``.
+    With ``[x, y] = p_j - p_i`` and ``R = R(theta_i)`` the residual is ``[R^T [x, y], theta_j - theta_i] - o``. Moving
+    ``p_j`` moves it by ``R^T``, moving ``p_i`` by ``-R^T``, and turning ``theta_i`` by the derivative of ``R^T``: when
+    the observer turns left, what he sees turns right.
 
     Args:
         pose_i: (..., 3) W.
@@ -44,16 +46,12 @@ def between_jacobians(pose_i: np.ndarray, pose_j: np.ndarray) -> tuple[np.ndarra
     Returns:
         two arrays (..., 3, 3).
     """
-    xy_in_i = se2.transform_from(pose_i, pose_j[..., :2])
-    rotation_t = _rotation_transposed(pose_i[..., 2])
-    jacobian_i = np.zeros(pose_i.shape[:-1] + (3, 3))
-    jacobian_j = np.zeros_like(jacobian_i)
-    jacobian_i[..., :2, :2] = -rotation_t
-    jacobian_i[..., :2, 2] = _turned(xy_in_i)
-    jacobian_i[..., 2, 2] = -1.0
-    jacobian_j[..., :2, :2] = rotation_t
-    jacobian_j[..., 2, 2] = 1.0
-    return jacobian_i, jacobian_j
+    cos, sin = np.cos(pose_i[..., 2]), np.sin(pose_i[..., 2])
+    x, y = pose_j[..., 0] - pose_i[..., 0], pose_j[..., 1] - pose_i[..., 1]
+    zero, one = np.zeros_like(cos), np.ones_like(cos)
+    jacobian_i = [[-cos, -sin, cos * y - sin * x], [sin, -cos, -cos * x - sin * y], [zero, zero, -one]]
+    jacobian_j = [[cos, sin, zero], [-sin, cos, zero], [zero, zero, one]]
+    return _stacked(jacobian_i), _stacked(jacobian_j)
 
 
 def observation_residual(pose: np.ndarray, landmark: np.ndarray, measured: np.ndarray) -> np.ndarray:
@@ -80,18 +78,13 @@ def observation_jacobians(pose: np.ndarray, landmark: np.ndarray) -> tuple[np.nd
     Returns:
         (..., 2, 3) and (..., 2, 2).
     """
-    rotation_t = _rotation_transposed(pose[..., 2])
-    jacobian_pose = np.empty(pose.shape[:-1] + (2, 3))
-    jacobian_pose[..., :2] = -rotation_t
-    jacobian_pose[..., 2] = _turned(se2.transform_from(pose, landmark))
-    return jacobian_pose, rotation_t
+    cos, sin = np.cos(pose[..., 2]), np.sin(pose[..., 2])
+    x, y = landmark[..., 0] - pose[..., 0], landmark[..., 1] - pose[..., 1]
+    jacobian_pose = [[-cos, -sin, cos * y - sin * x], [sin, -cos, -cos * x - sin * y]]
+    jacobian_landmark = [[cos, sin], [-sin, cos]]
+    return _stacked(jacobian_pose), _stacked(jacobian_landmark)
 
 
-def _rotation_transposed(theta: np.ndarray) -> np.ndarray:
-    cos, sin = np.cos(theta), np.sin(theta)
-    return np.stack([np.stack([cos, sin], axis=-1), np.stack([-sin, cos], axis=-1)], axis=-2)
-
-
-def _turned(xy: np.ndarray) -> np.ndarray:
-    # When the observer turns left, what he sees turns right: d/dtheta R^T v = [y, -x] for R^T v = [x, y].
-    return np.stack([xy[..., 1], -xy[..., 0]], axis=-1)
+def _stacked(rows: list) -> np.ndarray:
+    """A matrix whose entries are arrays (...), as an array of matrices (..., height, width)."""
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))

@@ -1,22 +1,21 @@
-"""The machinery under the pose graph: where every block of H goes, in which order, and how to solve.
+"""The machinery under the pose graph: where every block of H goes, so that it is worked out once and reused.
 
-H is made of small blocks, one for each pair of variables that share a factor. Which pairs these are does not change
-while the estimates move, so the *structure* (a fill-reducing order of the variables and the place of every block in
-SciPy's compressed columns) is worked out once and reused in every iteration.
+H is symmetric and made of small blocks, one for each pair of variables that share a factor. Which pairs these are does
+not change while the estimates move. Only the upper triangle is kept, in compressed columns (CSC): column after column,
+the row and the value of every number that may differ from zero.
 """
 
-import itertools
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-SINGULAR = "expected factors that determine every pose and landmark, but H is singular"
 FIXED = -1  # the block index of a variable that is held still and has no place in H
 
 
 class BlockGroup(NamedTuple):
-    """Blocks of one shape that some kind of factor adds to H."""
+    """Blocks of one shape that some kind of factor adds to H; each also stands mirrored across the diagonal."""
 
     rows: np.ndarray  # (B,) block index of the row variable, or FIXED
     cols: np.ndarray  # (B,) block index of the column variable, or FIXED
@@ -26,69 +25,49 @@ class BlockGroup(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class BlockStructure:
-    """The sparsity of a symmetric block matrix whose variables were reordered to keep its factors sparse.
+    """The sparsity of a symmetric block matrix: n unknowns in N block variables, numbered block by block."""
 
-    The unknowns are numbered block by block, in the caller's order ("natural") or in the fill-reducing order
-    ("permuted"); ``permuted_of_natural[k]`` is the permuted index of natural unknown k.
-    """
-
-    permuted_of_natural: np.ndarray  # (n,)
-    indptr: np.ndarray  # (n+1,) compressed columns of the permuted matrix
-    indices: np.ndarray  # (nnz,)
-    slots: np.ndarray  # (V,) the place of every contributed number in `data`; nnz = dropped
-    diagonal: np.ndarray  # (n,) the place of the diagonal in `data`
+    sizes: np.ndarray  # (N,) unknowns of each block variable
+    block_rows: np.ndarray  # (B,) the distinct blocks right of the diagonal
+    block_cols: np.ndarray  # (B,)
+    indptr: np.ndarray  # (n+1,) where each column of the upper triangle begins
+    indices: np.ndarray  # (nnz,) the row of each of its numbers
+    slots: np.ndarray  # (V,) the place in `indices` of every contributed number; nnz = not in the upper triangle
 
     @property
     def num_unknowns(self) -> int:
         """n, the size of the matrix."""
-        return len(self.permuted_of_natural)
+        return len(self.indptr) - 1
+
+    @property
+    def diagonal(self) -> np.ndarray:
+        """(n,) the place of the diagonal: the last number of each column of the upper triangle."""
+        return self.indptr[1:] - 1
+
+    @cached_property
+    def elimination_order(self) -> np.ndarray:
+        """(n,) the unknowns in an order that keeps the factors of the matrix sparse."""
+        order = np.argsort(fill_reducing_order(len(self.sizes), self.block_rows, self.block_cols))
+        return _runs(_starts(self.sizes)[order], self.sizes[order])
 
     def gather(self, values: np.ndarray) -> np.ndarray:
-        """Add up all contributions (V,) that fall on the same entry: the ``data`` (nnz,) of the permuted matrix."""
+        """Add up all contributions (V,) that fall on the same entry: the upper triangle's ``data`` (nnz,)."""
         return np.bincount(self.slots, weights=values, minlength=len(self.indices) + 1)[:-1]
 
+    def upper(self, data: np.ndarray):
+        """The upper triangle, a ``scipy.sparse.csc_matrix`` (n, n)."""
+        from scipy.sparse import csc_matrix
+
+        return csc_matrix((data, self.indices, self.indptr), shape=(self.num_unknowns,) * 2)
+
     def matrix(self, data: np.ndarray):
-        """The permuted matrix, a ``scipy.sparse.csc_array`` (n, n)."""
+        """The whole matrix, a ``scipy.sparse.csc_array`` (n, n); its pattern does not depend on which data are zero."""
         from scipy.sparse import csc_array
 
-        return csc_array((data, self.indices, self.indptr), shape=(self.num_unknowns,) * 2)
-
-    def natural_matrix(self, data: np.ndarray):
-        """The matrix in the caller's order, as a lesson shows it: a ``scipy.sparse.csc_array`` (n, n)."""
-        order = self.permuted_of_natural
-        return self.matrix(data)[order][:, order].tocsc()
-
-    def factorize(self, data: np.ndarray):
-        """Factorise the permuted matrix; returns a function that solves ``H x = rhs`` in natural order.
-
-        Raises:
-            numpy.linalg.LinAlgError: when the matrix is singular.
-        """
-        from scipy.sparse.linalg import splu
-
-        try:
-            # H is symmetric and already ordered: no pivoting, and panels of one column suit its short columns.
-            factors = splu(
-                self.matrix(data),
-                permc_spec="NATURAL",
-                diag_pivot_thresh=0.0,
-                panel_size=1,
-                relax=1,
-                options={"SymmetricMode": True},
-            )
-        except RuntimeError:  # "Factor is exactly singular"
-            raise np.linalg.LinAlgError(SINGULAR) from None
-        order = self.permuted_of_natural
-
-        def solve(rhs: np.ndarray) -> np.ndarray:
-            permuted = np.empty_like(rhs)
-            permuted[order] = rhs
-            solution = factors.solve(permuted)[order]
-            if not np.isfinite(solution).all():
-                raise np.linalg.LinAlgError(SINGULAR)
-            return solution
-
-        return solve
+        rows, cols = self.indices, np.repeat(np.arange(self.num_unknowns), np.diff(self.indptr))
+        off = rows < cols
+        places = np.concatenate([rows, cols[off]]), np.concatenate([cols, rows[off]])
+        return csc_array((np.concatenate([data, data[off]]), places), shape=(self.num_unknowns,) * 2)
 
 
 def block_structure(sizes: np.ndarray, groups: list[BlockGroup]) -> BlockStructure:
@@ -96,34 +75,47 @@ def block_structure(sizes: np.ndarray, groups: list[BlockGroup]) -> BlockStructu
 
     Args:
         sizes: (N,) the number of unknowns of each block variable.
-        groups: what will be added. ``gather`` later takes the blocks' numbers, flattened, group after group.
-            Every variable must contribute its diagonal block.
+        groups: what will be added. ``gather`` later takes the blocks' numbers group after group, each as an array
+            (height, width, B), flattened. A square block below the diagonal stands for its mirror image above; every
+            variable needs a block on the diagonal.
     """
-    num_blocks = len(sizes)
-    rows = np.concatenate([group.rows for group in groups])
-    cols = np.concatenate([group.cols for group in groups])
-    free = (rows != FIXED) & (cols != FIXED)
-    position = fill_reducing_order(num_blocks, rows[free], cols[free])
-    permuted_sizes = np.empty(num_blocks, dtype=np.int64)
-    permuted_sizes[position] = sizes
+    sizes = np.asarray(sizes, dtype=np.int64)
+    low = np.concatenate([np.minimum(group.rows, group.cols) for group in groups])
+    high = np.concatenate([np.maximum(group.rows, group.cols) for group in groups])
+    apart = (low != FIXED) & (low < high)
 
-    # The distinct blocks, column by column and from top to bottom, as compressed columns want them.
-    keys, block_of = np.unique(position[cols[free]] * num_blocks + position[rows[free]], return_inverse=True)
-    block_col, block_row = np.divmod(keys, num_blocks)
-    columns = _compressed_columns(permuted_sizes, block_row, block_col)
+    # The distinct blocks above the diagonal, column by column and from top to bottom, as compressed columns want them.
+    keys, which = np.unique(high[apart] * len(sizes) + low[apart], return_inverse=True)
+    block_cols, block_rows = np.divmod(keys, len(sizes))
+    heights = sizes[block_rows]
+    height_over_diagonal = np.bincount(block_cols, weights=heights, minlength=len(sizes)).astype(np.int64)
+    # Column k of a diagonal block adds its first k+1 numbers to what stands above the block.
+    column_heights = np.repeat(height_over_diagonal, sizes) + _runs(np.ones_like(sizes), sizes)
+    indptr = np.append(0, np.cumsum(column_heights))
 
-    block = np.full(len(free), -1)
-    block[free] = block_of
-    permuted_of_natural = _unknowns(_starts(permuted_sizes)[position], np.asarray(sizes))
-    diagonal_block = np.repeat(np.searchsorted(keys, np.arange(num_blocks) * (num_blocks + 1)), permuted_sizes)
-    within = _unknowns(np.zeros(num_blocks, dtype=np.int64), permuted_sizes)
-    return BlockStructure(
-        permuted_of_natural=permuted_of_natural,
-        indptr=columns.indptr,
-        indices=columns.indices,
-        slots=_slots(groups, block, columns),
-        diagonal=columns.corner[diagonal_block] + within * (columns.stride[diagonal_block] + 1),
-    )
+    # How many numbers stand above each contributed block in its own columns.
+    above = height_over_diagonal[high]
+    above[apart] = (_starts(heights) - _starts(height_over_diagonal)[block_cols])[which]
+    slots, indices = _slots(groups, above, indptr, _starts(sizes))
+    return BlockStructure(sizes, block_rows, block_cols, indptr.astype(np.int32), indices.astype(np.int32), slots)
+
+
+def _slots(groups, above: np.ndarray, indptr: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The place of every number of every group, and the row (nnz,) of every place."""
+    slots, nowhere = [], indptr[-1]
+    indices = np.zeros(nowhere + 1, dtype=np.int64)
+    ends = np.cumsum([len(group.rows) for group in groups])
+    for group, begin, end in zip(groups, np.append(0, ends), ends, strict=False):
+        down, right = np.arange(group.height)[:, None, None], np.arange(group.width)[None, :, None]
+        low, high = np.minimum(group.rows, group.cols), np.maximum(group.rows, group.cols)
+        place = indptr[first[high] + right] + above[begin:end] + down
+        place[(low == FIXED) | ((low == high) & (down > right))] = nowhere
+        indices[place] = first[low] + down
+        mirrored = group.rows > group.cols
+        if mirrored.any():
+            place = np.where(mirrored, place.swapaxes(0, 1), place)
+        slots.append(place.ravel())
+    return np.concatenate(slots), indices[:-1]
 
 
 def fill_reducing_order(num_blocks: int, rows: np.ndarray, cols: np.ndarray) -> np.ndarray:
@@ -131,59 +123,22 @@ def fill_reducing_order(num_blocks: int, rows: np.ndarray, cols: np.ndarray) -> 
 
     SuperLU orders columns only on its way to a factorisation, so it is given a small diagonally dominant matrix with
     the pattern of the block graph, and nothing of the result is kept but the order.
+
+    Args:
+        num_blocks: N.
+        rows: (B,) one end of each pair of blocks that share a factor.
+        cols: (B,) the other end.
     """
     from scipy.sparse import csc_array
     from scipy.sparse.linalg import splu
 
-    apart = rows != cols
-    degree = np.bincount(cols[apart], minlength=num_blocks)
     blocks = np.arange(num_blocks)
-    entries = np.concatenate([-np.ones(np.count_nonzero(apart)), degree + 1.0])
-    places = np.concatenate([rows[apart], blocks]), np.concatenate([cols[apart], blocks])
+    ends, other_ends = np.concatenate([rows, cols]), np.concatenate([cols, rows])
+    entries = np.concatenate([-np.ones(len(ends)), np.bincount(ends, minlength=num_blocks) + 1.0])
+    places = np.concatenate([ends, blocks]), np.concatenate([other_ends, blocks])
     pattern = csc_array((entries, places), shape=(num_blocks, num_blocks))
     factors = splu(pattern, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     return factors.perm_c.astype(np.int64)
-
-
-class _Columns(NamedTuple):
-    indptr: np.ndarray  # (n+1,)
-    indices: np.ndarray  # (nnz,)
-    corner: np.ndarray  # (B,) the place in `data` of each block's top-left number
-    stride: np.ndarray  # (B,) and how far it is from one of the block's columns to the next
-
-
-def _compressed_columns(sizes: np.ndarray, block_row: np.ndarray, block_col: np.ndarray) -> _Columns:
-    """Lay distinct blocks, sorted by column and then by row, out as compressed columns."""
-    heights, widths = sizes[block_row], sizes[block_col]
-    column_height = np.bincount(block_col, weights=heights, minlength=len(sizes)).astype(np.int64)
-    above = _starts(heights) - _starts(column_height)[block_col]  # numbers above the block in its own column
-    corner = _starts(column_height * sizes)[block_col] + above
-    stride = column_height[block_col]
-    indptr = np.append(_starts(np.repeat(column_height, sizes)), (column_height * sizes).sum())
-    indices = np.empty(indptr[-1], dtype=np.int32)
-    first_row = _starts(sizes)[block_row]
-    for height, width in itertools.product(np.unique(sizes), repeat=2):
-        chosen = (heights == height) & (widths == width)
-        places = _places(corner[chosen], stride[chosen], height, width)
-        indices[places] = (first_row[chosen, None] + np.arange(height))[:, :, None]
-    return _Columns(indptr.astype(np.int32), indices, corner, stride)
-
-
-def _slots(groups: list[BlockGroup], block: np.ndarray, columns: _Columns) -> np.ndarray:
-    """The place in ``data`` of every number of every group; ``block`` (B,) names the distinct block, -1 drops."""
-    slots, begin = [], 0
-    for group in groups:
-        chosen = block[begin : begin + len(group.rows)]
-        begin += len(group.rows)
-        places = _places(columns.corner[chosen], columns.stride[chosen], group.height, group.width)
-        places[chosen < 0] = len(columns.indices)
-        slots.append(places.ravel())
-    return np.concatenate(slots)
-
-
-def _places(corner: np.ndarray, stride: np.ndarray, height: int, width: int) -> np.ndarray:
-    """The places in ``data`` of the numbers of (B,) blocks: (B, height, width)."""
-    return corner[:, None, None] + np.arange(height)[:, None] + stride[:, None, None] * np.arange(width)
 
 
 def _starts(lengths: np.ndarray) -> np.ndarray:
@@ -191,6 +146,6 @@ def _starts(lengths: np.ndarray) -> np.ndarray:
     return np.cumsum(lengths) - lengths
 
 
-def _unknowns(first: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """first, first+1, .. for each block, size of them, laid end to end."""
-    return np.repeat(first - _starts(sizes), sizes) + np.arange(sizes.sum())
+def _runs(first: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """first, first+1, .. for each run, laid end to end."""
+    return np.repeat(first - _starts(lengths), lengths) + np.arange(lengths.sum())

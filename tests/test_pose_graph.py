@@ -9,8 +9,11 @@ import scipy.optimize
 import scipy.stats
 from graphs import random_graph
 
-from npslam_teach import datasets, evaluate, pose_graph, se2, simulate
+from npslam_teach import datasets, evaluate, factorize, linearization, np_graph, pose_graph, se2, simulate
 from npslam_teach.data import BetweenFactors, ObservationFactors, PoseGraph
+from npslam_teach.residuals import between_jacobians
+
+LIBRARIES = ["superlu", pytest.param("qdldl", marks=pytest.mark.skipif(not factorize.has_qdldl(), reason="no qdldl"))]
 
 
 def unpack(graph, x):
@@ -232,6 +235,114 @@ def test_a_pose_cut_off_from_the_rest_is_named():
     cut = replace(graph, between=BetweenFactors(b.i[keep], b.j[keep], b.relative_pose[keep], b.information[keep]))
     with pytest.raises(np.linalg.LinAlgError, match="pose 7 is not tied to pose 0"):
         pose_graph.optimize(cut)
+
+
+def chain_and_a_loose_pose(seed, num_poses=12):
+    """A chain whose last pose is tied to the rest by nothing but one object: it can circle around it."""
+    graph = random_graph(seed, num_poses, num_landmarks=2)
+    between, sightings = graph.between, graph.observations
+    last = num_poses - 1
+    kept = (between.i != last) & (between.j != last)
+    seen = (sightings.pose != last) | (sightings.landmark == 0)
+    return PoseGraph(
+        graph.poses,
+        graph.landmarks,
+        BetweenFactors(*(getattr(between, name)[kept] for name in ("i", "j", "relative_pose", "information"))),
+        ObservationFactors(*(getattr(sightings, name)[seen] for name in ("pose", "landmark", "xy", "information"))),
+    )
+
+
+@pytest.mark.parametrize("library", LIBRARIES)
+@pytest.mark.parametrize("num_poses", [12, 2000])
+def test_a_pose_that_can_circle_around_an_object_is_named(num_poses, library):
+    graph = chain_and_a_loose_pose(3, num_poses)
+    with pytest.raises(np.linalg.LinAlgError, match=f"pose {num_poses - 1} can move .* H is singular"):
+        list(pose_graph.gauss_newton(graph, library=library))
+
+
+def test_a_landmark_seen_in_one_direction_only_is_named():
+    graph = random_graph(6, num_landmarks=3)
+    information = graph.observations.information.copy()
+    information[graph.observations.landmark == 1] = 0.0
+    information[np.flatnonzero(graph.observations.landmark == 1)[0]] = [[4.0, 2.0], [2.0, 1.0]]
+    blind = replace(graph, observations=replace(graph.observations, information=information))
+    with pytest.raises(np.linalg.LinAlgError, match="landmark 1 can move"):
+        pose_graph.optimize(blind)
+    with pytest.raises(np.linalg.LinAlgError, match="landmark 1 can move"):
+        pose_graph.marginal_covariance(blind, landmarks=[0])
+
+
+@pytest.mark.parametrize("library", LIBRARIES)
+def test_a_long_open_chain_is_uncertain_but_not_singular(library):
+    """Its far end is known a hundred million times worse than a single step: no reason to refuse it."""
+    num_poses = 30_000
+    steps = np.tile([1.0, 0.0, 0.0], (num_poses - 1, 1))
+    i = np.arange(num_poses - 1)
+    factors = BetweenFactors(i, i + 1, steps, np.tile(np.diag([1e4, 1e4, 1e4]), (num_poses - 1, 1, 1)))
+    nothing = ObservationFactors([], [], np.zeros((0, 2)), np.zeros((0, 2, 2)))
+    start = se2.dead_reckoning(steps) + np.random.default_rng(0).normal(0, 1e-3, (num_poses, 3))
+    start[0] = 0.0
+    *_, last = pose_graph.gauss_newton(PoseGraph(start, np.zeros((0, 2)), factors, nothing), library=library)
+    assert last.converged
+    assert last.chi2 < 1e-3
+
+
+def test_a_long_drive_that_has_to_bend_does_so_in_a_few_steps():
+    """A first association over ten rooms: each full step overshoots, and damped ones would creep for hundreds."""
+    log, _ = simulate.house(10)
+    start, first = np_graph(log, iterations=1)
+    landmarks = [start.graph.landmarks[first.labels == k].mean(axis=0) for k in range(first.num_objects)]
+    *_, last = pose_graph.gauss_newton(replace(first.graph, poses=start.graph.poses, landmarks=landmarks))
+    assert last.converged
+    assert last.iteration <= 20
+    assert last.chi2 == pytest.approx(first.chi2, rel=1e-6)
+
+
+def test_a_wrong_derivative_ends_with_a_reason(monkeypatch):
+    """Uphill whatever the damping: not converged, and nothing has moved."""
+    right = linearization.observation_jacobians
+    monkeypatch.setattr(linearization, "between_jacobians", lambda *poses: tuple(-j for j in between_jacobians(*poses)))
+    monkeypatch.setattr(linearization, "observation_jacobians", lambda *ends: tuple(-j for j in right(*ends)))
+    steps = list(pose_graph.gauss_newton(random_graph(4)))
+    assert (steps[-1].converged, steps[-1].status) == (False, "no step lowers chi2")
+    np.testing.assert_array_equal(steps[-1].graph.poses, steps[0].graph.poses)
+
+
+def test_a_matrix_that_turns_singular_on_the_way_is_damped(monkeypatch):
+    """Rounding may take the last digit of a pivot in one iteration of many; the next bit of damping gives it back."""
+    graph, calls, factorizer = random_graph(4), [], factorize.factorizer
+
+    def failing_once(structure, library):
+        solver = factorizer(structure, library)
+
+        def factorized(data):
+            calls.append(len(calls))
+            if len(calls) == 4:
+                raise np.linalg.LinAlgError(factorize.SINGULAR)
+            return solver(data)
+
+        return factorized
+
+    monkeypatch.setattr(pose_graph, "factorizer", failing_once)
+    steps = list(pose_graph.gauss_newton(graph))
+    assert len(calls) > 4 and max(step.damping for step in steps) > 0
+    assert steps[-1].converged
+    monkeypatch.undo()
+    assert steps[-1].chi2 == pytest.approx(pose_graph.chi2(pose_graph.optimize(graph)), rel=1e-8)
+
+
+def test_a_solver_that_stops_early_says_why():
+    *_, last = pose_graph.gauss_newton(random_graph(4), max_iterations=1)
+    assert (last.converged, last.status) == (False, "iteration limit")
+
+
+@pytest.mark.skipif(not factorize.has_qdldl(), reason="qdldl is not installed")
+@pytest.mark.parametrize("seed", range(5))
+def test_both_libraries_give_the_same_solution(seed):
+    solutions = [list(pose_graph.gauss_newton(random_graph(seed), library=name))[-1] for name in ("qdldl", "superlu")]
+    assert solutions[0].chi2 == pytest.approx(solutions[1].chi2, rel=1e-12)
+    np.testing.assert_allclose(solutions[0].graph.poses, solutions[1].graph.poses, atol=1e-9)
+    np.testing.assert_allclose(solutions[0].graph.landmarks, solutions[1].graph.landmarks, atol=1e-9)
 
 
 def test_a_single_pose_has_nothing_to_solve():

@@ -1,9 +1,12 @@
-"""The block machinery against dense matrices."""
+"""The block machinery and the factorisations against dense matrices."""
 
 import numpy as np
 import pytest
 
+from npslam_teach import factorize
 from npslam_teach.sparse import FIXED, BlockGroup, block_structure
+
+LIBRARIES = ["superlu", pytest.param("qdldl", marks=pytest.mark.skipif(not factorize.has_qdldl(), reason="no qdldl"))]
 
 
 def random_problem(seed, num_blocks=9):
@@ -17,41 +20,65 @@ def random_problem(seed, num_blocks=9):
         for width in (2, 3):
             rows = rng.choice(np.flatnonzero(sizes == height), 10)
             cols = rng.choice(np.flatnonzero(sizes == width), 10)
+            if height != width:  # only square blocks may come below the diagonal
+                above = (sizes[rows] == height) & (rows < cols)
+                rows, cols = rows[above], cols[above]
+                if not len(rows):
+                    continue
             rows[0] = FIXED
-            blocks = rng.normal(size=(10, height, width))
-            # With every block comes its mirror image: the matrix is symmetric.
-            groups += [BlockGroup(rows, cols, height, width), BlockGroup(cols, rows, width, height)]
-            values += [blocks.ravel(), blocks.swapaxes(1, 2).ravel()]
+            blocks = rng.normal(size=(len(rows), height, width))
+            on_diagonal = rows == cols
+            if height == width:  # what falls on the diagonal is symmetric
+                blocks[on_diagonal] += blocks[on_diagonal].swapaxes(1, 2)
+            groups.append(BlockGroup(rows, cols, height, width))
+            values.append(np.moveaxis(blocks, 0, -1).ravel())
             for r, c, block in zip(rows, cols, blocks, strict=True):
-                if FIXED not in (r, c):
-                    dense[start[r] : start[r] + height, start[c] : start[c] + width] += block
+                if FIXED in (r, c):
+                    continue
+                dense[start[r] : start[r] + height, start[c] : start[c] + width] += block
+                if r != c:
                     dense[start[c] : start[c] + width, start[r] : start[r] + height] += block.T
     for size in (2, 3):
         on = np.flatnonzero(sizes == size)
         groups.append(BlockGroup(on, on, size, size))
-        values.append(np.tile(20 * np.eye(size), (len(on), 1, 1)).ravel())
+        values.append(np.repeat(20 * np.eye(size)[:, :, None], len(on), axis=2).ravel())
     dense += 20 * np.eye(len(dense))
     return sizes, groups, np.concatenate(values), dense
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_structure_builds_and_solves_the_dense_matrix(seed):
+def test_structure_builds_the_dense_matrix(seed):
     sizes, groups, values, dense = random_problem(seed)
     structure = block_structure(sizes, groups)
     data = structure.gather(values)
-    np.testing.assert_allclose(structure.natural_matrix(data).toarray(), dense, atol=1e-12)
-    np.testing.assert_allclose(data[structure.diagonal], structure.matrix(data).diagonal())
-    rhs = np.random.default_rng(seed).normal(size=(len(dense), 2))
-    solve = structure.factorize(data)
-    np.testing.assert_allclose(solve(rhs), np.linalg.solve(dense, rhs), atol=1e-10)
-    np.testing.assert_allclose(solve(rhs[:, 0]), np.linalg.solve(dense, rhs[:, 0]), atol=1e-10)
+    np.testing.assert_allclose(structure.matrix(data).toarray(), dense, atol=1e-12)
+    np.testing.assert_allclose(structure.upper(data).toarray(), np.triu(dense), atol=1e-12)
+    np.testing.assert_allclose(data[structure.diagonal], dense.diagonal())
+    assert structure.matrix(np.zeros_like(data)).nnz == 2 * len(data) - len(dense)
+
+
+@pytest.mark.parametrize("library", LIBRARIES)
+@pytest.mark.parametrize("seed", range(10))
+def test_factorisation_solves_the_dense_system_again_and_again(seed, library):
+    sizes, groups, values, dense = random_problem(seed)
+    structure = block_structure(sizes, groups)
+    solver = factorize.factorizer(structure, library)
+    rng = np.random.default_rng(seed)
+    for _ in range(3):
+        data = structure.gather(values)
+        rhs = rng.normal(size=(len(dense), 2))
+        solve = solver(data)
+        np.testing.assert_allclose(solve(rhs), np.linalg.solve(dense, rhs), atol=1e-10)
+        np.testing.assert_allclose(solve(rhs[:, 0]), np.linalg.solve(dense, rhs[:, 0]), atol=1e-10)
+        assert solver(data) is solve
+        factor = rng.uniform(0.5, 2.0)
+        values, dense = factor * values, factor * dense
 
 
 def test_columns_are_sorted_and_without_duplicates():
     sizes, groups, values, _ = random_problem(1)
     structure = block_structure(sizes, groups)
-    matrix = structure.matrix(structure.gather(values))
-    assert matrix.has_canonical_format
+    assert structure.upper(structure.gather(values)).has_canonical_format
 
 
 def test_the_order_keeps_the_factors_of_a_star_sparse():
@@ -59,20 +86,33 @@ def test_the_order_keeps_the_factors_of_a_star_sparse():
     from scipy.sparse.linalg import splu
 
     leaves = np.arange(1, 60)
-    hub = np.zeros_like(leaves)
     everything = np.arange(60)
-    groups = [BlockGroup(everything, everything, 2, 2), BlockGroup(leaves, hub, 2, 2), BlockGroup(hub, leaves, 2, 2)]
-    values = np.concatenate([np.tile(200 * np.eye(2), (60, 1, 1)).ravel(), np.ones(59 * 4), np.ones(59 * 4)])
+    groups = [BlockGroup(everything, everything, 2, 2), BlockGroup(leaves, np.zeros_like(leaves), 2, 2)]
+    values = np.concatenate([np.repeat(200 * np.eye(2)[:, :, None], 60, axis=2).ravel(), np.ones(59 * 4)])
     structure = block_structure(np.full(60, 2), groups)
-    data = structure.gather(values)
-    fill = splu(structure.matrix(data), permc_spec="NATURAL", diag_pivot_thresh=0.0).L.nnz
-    assert fill < 1.2 * len(structure.indices) / 2 + 120
+    matrix = structure.matrix(structure.gather(values))
+    order = structure.elimination_order
+    np.testing.assert_array_equal(np.sort(order), np.arange(120))
+    fill = splu(matrix[order][:, order].tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.0).L.nnz
+    assert fill < 1.2 * matrix.nnz / 2 + 120
 
 
-def test_a_singular_matrix_is_refused():
-    everything = np.arange(3)
-    structure = block_structure(np.full(3, 2), [BlockGroup(everything, everything, 2, 2)])
-    values = np.tile(np.eye(2), (3, 1, 1))
-    values[1] = 0.0
+@pytest.mark.parametrize("library", LIBRARIES)
+def test_a_singular_matrix_is_refused(library):
+    """The first time, when it comes after a good one, and good ones are taken again after it."""
+    pair = [BlockGroup(np.arange(2), np.arange(2), 1, 1), BlockGroup(np.array([0]), np.array([1]), 1, 1)]
+    structure = block_structure(np.full(2, 1), pair)
+    good, singular = structure.gather(np.array([2.0, 2.0, 1.0])), structure.gather(np.ones(3))
     with pytest.raises(np.linalg.LinAlgError):
-        structure.factorize(structure.gather(values.ravel()))
+        factorize.factorizer(structure, library)(singular)(np.ones(2))
+    solver, rhs = factorize.factorizer(structure, library), np.array([3.0, 0.0])
+    np.testing.assert_allclose(solver(good)(rhs), [2.0, -1.0])
+    with pytest.raises(np.linalg.LinAlgError):
+        solver(singular)(rhs)
+    np.testing.assert_allclose(solver(good.copy())(rhs), [2.0, -1.0])
+
+
+def test_an_unknown_library_is_refused():
+    structure = block_structure(np.full(1, 1), [BlockGroup(np.zeros(1, dtype=int), np.zeros(1, dtype=int), 1, 1)])
+    with pytest.raises(ValueError, match="library: expected qdldl or superlu, got 'cholmod'"):
+        factorize.factorizer(structure, "cholmod")

@@ -4,6 +4,9 @@ Every lesson has a module of its own, ``checks.lesson03``, with one ``check_*`` 
 on a wrong answer: it returns a ``Verdict``, whose text is the last value of the cell.
 """
 
+import contextlib
+import io
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -51,6 +54,22 @@ def answer_of(function: Callable, *arguments) -> tuple[object, Verdict | None]:
     except Exception as error:  # a student's code may raise anything, and the lesson must go on
         return None, wrong(f"your code stops with {type(error).__name__}: {error}")
     return (None, wrong(BLANK)) if is_blank(answer) else (answer, None)
+
+
+def require(check: Callable, answer) -> None:
+    """What a graded cell runs: nothing happens where the check passes.
+
+    Warnings and other words on standard error are kept to ourselves: nbgrader takes them for a failure, and a right
+    answer that divides by zero on its way would lose its marks.
+
+    Raises:
+        AssertionError: it does not pass; the message is the verdict.
+    """
+    with warnings.catch_warnings(), contextlib.redirect_stderr(io.StringIO()):
+        warnings.simplefilter("ignore")
+        verdict = check(answer)
+    if not verdict.passed:
+        raise AssertionError(repr(verdict))
 
 
 def as_array(name: str, answer, shape: tuple) -> tuple[np.ndarray | None, Verdict | None]:

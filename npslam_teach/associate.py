@@ -10,10 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from npslam_teach.candidates import Neighbourhood, reach
 from npslam_teach.dirichlet import require_alpha, reweight
 
 PAPER_ALPHA = 0.9
 PAPER_KERNEL_STD = math.sqrt(1 / 8)  # m; the published script writes exp(-4 d^2)
+LEAST_THRESHOLD = 1e-9  # below it, objects at any distance count
 
 
 def require_rule(alpha: float, threshold: float | None, kernel_std: float) -> None:
@@ -78,7 +80,7 @@ def decide(probabilities: np.ndarray, threshold: float | None = None) -> int:
     return best if probabilities[best] > bar else num_objects
 
 
-def sweep(
+def plain_sweep(
     labels: np.ndarray,
     landmarks: np.ndarray,
     obs_xy_world: np.ndarray,
@@ -89,6 +91,9 @@ def sweep(
     order: str | np.ndarray = "last-to-first",
 ) -> Association:
     """Ask every observation once which object it is of (paper algorithm 1, lines 5 to 9; deck step 2.a).
+
+    This is the rule as it is told: every observation is compared with every object. ``sweep`` finds the same labels in
+    less time.
 
     An observation first takes its vote back, so that it is judged by the others; an object left without votes has
     weight zero from then on. Positions stay as they are during the sweep.
@@ -120,6 +125,64 @@ def sweep(
             num_objects += 1
         votes[labels[k], obs_class[k]] += 1.0
     return without_empty_objects(labels, landmarks)
+
+
+def sweep(
+    labels: np.ndarray,
+    landmarks: np.ndarray,
+    obs_xy_world: np.ndarray,
+    obs_class: np.ndarray,
+    alpha: float = PAPER_ALPHA,
+    threshold: float | None = None,
+    kernel_std: float = PAPER_KERNEL_STD,
+    order: str | np.ndarray = "last-to-first",
+) -> Association:
+    """Ask every observation once which object it is of: ``plain_sweep`` in a time that grows with the observations.
+
+    An observation is compared only with objects of its class and in its reach. The outcome is that of ``plain_sweep``
+    to the last bit: an answer that hangs on rounding is asked for again, the plain way.
+
+    Args: as in ``plain_sweep``.
+    """
+    require_rule(alpha, threshold, kernel_std)
+    order = visiting_order(order, len(labels))
+    if len(order) == 0 or (threshold is not None and threshold < LEAST_THRESHOLD):
+        return plain_sweep(labels, landmarks, obs_xy_world, obs_class, alpha, threshold, kernel_std, order)
+    radius = reach(alpha, threshold, kernel_std, labels, obs_xy_world, obs_class)
+    nearby = Neighbourhood(labels, landmarks, obs_xy_world, obs_class, kernel_std, radius)
+    labels = np.asarray(labels).tolist()
+    for k, objects, kernels in nearby.candidates(order):
+        votes = nearby.votes[obs_class[k]]
+        votes[labels[k]] -= 1.0
+        choice = _choose(votes, objects, kernels, alpha, threshold)
+        if choice is None:
+            distance = np.linalg.norm(nearby.landmarks - obs_xy_world[k], axis=1)
+            choice = decide(association_probabilities(np.array(votes), distance, alpha, kernel_std), threshold)
+        if choice == len(votes):
+            nearby.open(k)
+        votes[choice] += 1.0
+        labels[k] = choice
+    return without_empty_objects(np.array(labels), nearby.landmarks)
+
+
+def _choose(votes: list, objects: list, kernels: list, alpha: float, threshold: float | None) -> int | None:
+    """What ``decide`` answers when all other objects weigh nothing; None where that hangs on rounding."""
+    best, weight, runner_up = len(votes), 0.0, 0.0
+    for i, value in zip(objects, kernels, strict=True):
+        rival = votes[i] * value
+        if rival > weight:
+            best, weight, runner_up = i, rival, weight
+        elif rival > runner_up:
+            runner_up = rival
+    # Without a threshold it is weight against weight; equal ones open a new object, or the object of lower index.
+    value, bar, margin = weight, alpha, 1e-14 * alpha
+    if threshold is not None:
+        total = alpha + sum(votes[i] * value for i, value in zip(objects, kernels, strict=True))
+        value, bar, margin = weight / total, threshold, 1e-11
+    if value < bar - margin or (threshold is None and value == bar):
+        return len(votes)
+    hangs_on_rounding = value <= bar + margin or weight * (1 - 1e-14) < runner_up < weight
+    return None if hangs_on_rounding else best
 
 
 def visiting_order(order: str | np.ndarray, num_observations: int) -> np.ndarray:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from partitions import partitions
 
-from npslam_teach import associate, np_graph
+from npslam_teach import associate, candidates, np_graph, se2, simulate
 from npslam_teach.data import RobotLog
 from npslam_teach.dirichlet import count_votes
 
@@ -123,8 +123,8 @@ def test_a_sweep_never_raises_the_objective(seed, order):
     assert objective_of(after.labels, after.landmarks, xy, obs_class, alpha, kernel_std) <= before + 1e-9
 
 
-def plain_sweep(labels, landmarks, xy, obs_class, alpha, kernel_std, order):
-    """The same rule once more, with dictionaries and no arrays."""
+def sweep_by_dictionaries(labels, landmarks, xy, obs_class, alpha, kernel_std, order):
+    """The same rule once more, without arrays."""
     objects = {i: (landmarks[i], [k for k in range(len(labels)) if labels[k] == i]) for i in range(len(landmarks))}
     home = dict(enumerate(labels))
     for k in order:
@@ -148,8 +148,81 @@ def test_a_sweep_equals_the_rule_written_plainly(seed):
     labels, landmarks, xy, obs_class = random_scene(seed)
     order = np.random.default_rng(seed).permutation(len(labels))
     found = associate.sweep(labels, landmarks, xy, obs_class, 0.9, None, 0.4, order)
-    plain = plain_sweep(labels, landmarks, xy, obs_class, 0.9, 0.4, order)
+    plain = sweep_by_dictionaries(labels, landmarks, xy, obs_class, 0.9, 0.4, order)
     np.testing.assert_array_equal(same_groups(found.labels), same_groups(plain))
+
+
+def assert_same_sweep(*scene):
+    fast, plain = associate.sweep(*scene), associate.plain_sweep(*scene)
+    np.testing.assert_array_equal(fast.labels, plain.labels)
+    np.testing.assert_array_equal(fast.landmarks, plain.landmarks)
+
+
+@pytest.mark.parametrize("alpha", [1e-3, 0.9, 1.0, 30.0])
+@pytest.mark.parametrize("threshold", [None, 0.0, 1e-12, 0.2, 0.5, 0.9, 1.0])
+def test_the_fast_sweep_is_the_plain_one(alpha, threshold):
+    """Rooms from crowded to empty, labels that are wrong, orders of all kinds, kernels from narrow to wide."""
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        scene = random_scene(seed, num_observations=int(rng.integers(1, 60)), spread=rng.choice([0.5, 3.0, 20.0]))
+        order = [rng.permutation(len(scene[0])), "last-to-first", "first-to-last"][seed % 3]
+        assert_same_sweep(*scene, alpha, threshold, rng.choice([0.05, 0.354, 3.0, 1e4]), order)
+
+
+@pytest.mark.parametrize("threshold", [None, 0.3, 0.5, 2 / 3])
+def test_the_fast_sweep_is_the_plain_one_where_answers_tie(threshold):
+    """Places on a coarse grid: distances, weights and probabilities are equal again and again, to the last bit."""
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        labels, landmarks, xy, obs_class = random_scene(seed, num_observations=40)
+        xy, landmarks = np.round(xy * 2) / 2, np.round(landmarks * 2) / 2
+        assert_same_sweep(labels, landmarks, xy, obs_class, rng.choice([0.5, 1.0, 2.0]), threshold, 0.5)
+        assert_same_sweep(labels, 0 * landmarks, 0 * xy, obs_class, 1.0, threshold, 0.5)
+
+
+@pytest.mark.parametrize("noise", [0.0, 1.0, 4.0])
+@pytest.mark.parametrize("threshold", [None, 0.5])
+def test_the_fast_sweep_is_the_plain_one_all_through_the_fifteen_objects(noise, threshold):
+    log, _ = simulate.fifteen_objects(3, noise)
+    for snapshot in np_graph(log, iterations=4, threshold=threshold):
+        if snapshot.labels.min() >= 0:
+            xy = se2.transform_to(snapshot.graph.poses[log.obs_time], log.obs_xy)
+            assert_same_sweep(snapshot.labels, snapshot.graph.landmarks, xy, log.obs_class, 0.9, threshold)
+
+
+def test_candidates_in_many_portions_are_the_same(monkeypatch):
+    log, _ = simulate.fifteen_objects(1)
+    labels, poses = np.arange(log.num_observations), se2.dead_reckoning(log.odometry)
+    xy = se2.transform_to(poses[log.obs_time], log.obs_xy)
+    at_once = associate.sweep(labels, xy, xy, log.obs_class)
+    monkeypatch.setattr(candidates, "PAIRS_AT_ONCE", 1000)
+    np.testing.assert_array_equal(associate.sweep(labels, xy, xy, log.obs_class).labels, at_once.labels)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_crowds_are_counted_over_cells_and_their_neighbours(seed):
+    cells = np.random.default_rng(seed).integers(-3, 4, (60, 3))
+    near = (np.abs(cells[:, None, :2] - cells[None, :, :2]) <= 1).all(axis=2)
+    assert candidates.most_around(cells) == (near & (cells[:, None, 2] == cells[None, :, 2])).sum(axis=1).max()
+
+
+def test_a_sweep_compares_only_what_is_near(monkeypatch):
+    """Ten times the room with ten times the objects: not a hundred times the comparisons.
+
+    A little more than ten times: there is less edge, and the reach grows with the logarithm of the votes there can be.
+    """
+    compared, choose = [], associate._choose
+
+    def counting(votes, objects, *rest):
+        compared.append(len(objects))
+        return choose(votes, objects, *rest)
+
+    monkeypatch.setattr(associate, "_choose", counting)
+    for factor in (1, 10):
+        rng = np.random.default_rng(0)
+        xy = rng.uniform(0, 1, (200 * factor, 2)) * [10.0 * factor, 10.0]
+        associate.sweep(np.arange(len(xy)), xy, xy, np.zeros(len(xy), int))
+    assert sum(compared[200:]) < 20 * sum(compared[:200])
 
 
 def same_groups(labels):

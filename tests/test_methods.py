@@ -1,6 +1,7 @@
 """The methods as a whole: what they share, what the paper says of each, and the descent of the objective."""
 
 import inspect
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -223,3 +224,24 @@ def test_bad_settings_are_named(setting, message, scene):
 def test_bad_thresholds_of_the_rivals_are_named(method, scene):
     with pytest.raises(ValueError, match="threshold: expected"):
         list(method(scene[0], threshold=2.0))
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_a_standard_deviation_beyond_floating_point_is_named(name, scene):
+    if "odometry_std" in inspect.signature(METHODS[name]).parameters:
+        with pytest.raises(ValueError, match="odometry_std: expected at least 1e-07, got"):
+            list(METHODS[name](scene[0], odometry_std=(0.1, 0.1, 1e-200)))
+
+
+def test_the_method_finds_the_same_without_qdldl(monkeypatch):
+    """Where qdldl has no wheel, SciPy solves: the same objects, the same map up to rounding."""
+    from npslam_teach import factorize
+
+    log, _ = simulate.fifteen_objects(0)
+    *_, with_it = np_graph(log)
+    monkeypatch.setattr(factorize, "has_qdldl", lambda: False)
+    monkeypatch.setitem(sys.modules, "qdldl", None)  # importing it would fail
+    *_, without_it = np_graph(log)
+    np.testing.assert_array_equal(without_it.labels, with_it.labels)
+    np.testing.assert_allclose(without_it.graph.poses, with_it.graph.poses, atol=1e-7)
+    assert without_it.chi2 == pytest.approx(with_it.chi2, rel=1e-9)

@@ -195,3 +195,30 @@ def test_an_empty_path_is_refused(world):
 def test_world_types():
     with pytest.raises(ValueError, match="object_class: expected a class index"):
         World([[0.0, 0.0]], [2], ("chair", "cup"))
+
+
+@pytest.mark.parametrize("num_rooms", [1, 4, 7])
+def test_a_house_has_the_papers_density(num_rooms):
+    log, truth = simulate.house(num_rooms, seed=num_rooms)
+    assert log.num_poses == 766 * num_rooms
+    assert len(truth.world.object_xy) == 15 * num_rooms
+    assert 900 * num_rooms < log.num_observations < 1400 * num_rooms
+    steps = np.linalg.norm(np.diff(truth.poses[:, :2], axis=0), axis=1)
+    assert 0.05 < steps.min() and steps.max() < 0.15
+    assert np.isin(np.arange(15 * num_rooms), truth.obs_object).mean() > 0.95
+
+
+@pytest.mark.parametrize("num_rooms", [0, -1, 1.5])
+def test_a_house_without_rooms_is_refused(num_rooms):
+    with pytest.raises(ValueError, match="num_rooms: expected a positive integer"):
+        simulate.house(num_rooms)
+
+
+def test_sightings_are_the_same_when_a_path_is_taken_in_stretches(monkeypatch):
+    from npslam_teach.simulate import runs
+
+    whole, _ = simulate.fifteen_objects(5)
+    monkeypatch.setattr(runs, "STRETCH", 50)
+    parts, _ = simulate.fifteen_objects(5)
+    np.testing.assert_array_equal(parts.obs_xy, whole.obs_xy)
+    np.testing.assert_array_equal(parts.obs_time, whole.obs_time)

@@ -6,19 +6,14 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.associate import PAPER_ALPHA, Association, objective
-from npslam_teach.data import (
-    BetweenFactors,
-    ObservationFactors,
-    PoseGraph,
-    RobotLog,
-    Snapshot,
-    checked_array,
-)
+from npslam_teach.data import BetweenFactors, ObservationFactors, PoseGraph, RobotLog, Snapshot
 from npslam_teach.dirichlet import count_votes
 from npslam_teach.pose_graph import chi2
+from npslam_teach.validation import checked_array
 
 PAPER_ODOMETRY_STD = (0.1, 0.1, 0.1)  # m, m, rad: what the authors' solver assumes per step
 PAPER_OBSERVATION_STD = (0.5, 0.5)  # m: and per observation; the sensor itself is better than both
+SMALLEST_STD = 1e-7  # m or rad; the information of a smaller one, 1 / std^2, is beyond `validation.LARGEST`
 
 
 def start(log: RobotLog, odometry_std, observation_std, alpha: float = PAPER_ALPHA, area: float = 1.0) -> Snapshot:
@@ -61,6 +56,8 @@ def _information(name: str, std, size: int) -> np.ndarray:
     std = checked_array(name, std, (size,))
     if not (std > 0).all():
         raise ValueError(f"{name}: expected positive numbers, got {std.tolist()}")
+    if not (std >= SMALLEST_STD).all():
+        raise ValueError(f"{name}: expected at least {SMALLEST_STD:g}, got {std.tolist()}")
     return np.diag(1 / std**2)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.associate import PAPER_ALPHA, Association
-from npslam_teach.data import PoseGraph, RobotLog, Snapshot, checked_array
+from npslam_teach.data import PoseGraph, RobotLog, Snapshot
 from npslam_teach.methods.common import (
     mean_landmarks,
     observation_factors,
@@ -24,6 +24,7 @@ from npslam_teach.methods.common import (
 )
 from npslam_teach.methods.ekf_filter import new_filter, predict, squared_distances, update, with_new_object
 from npslam_teach.pose_graph import optimize
+from npslam_teach.validation import checked_array
 
 GATE, NEW_GATE = 0.99, 0.999999  # shares of right matches that a consistent filter lets through
 LEFT_OUT, NEW = -1, -2  # what a sighting can be, besides one of a known object

@@ -1,22 +1,33 @@
 """Worlds, paths and noisy runs through them. The only place where noise is drawn.
 
-``runs`` drives any path through any world; the other modules each hold a scene.
+``runs`` drives any path through any world; the other modules each hold a scene, ``drawn`` that of a student and
+``gallery`` those that break the method.
 """
 
+from npslam_teach.simulate.drawn import Drawing, drawn_run
 from npslam_teach.simulate.fifteen import FIFTEEN_CLASSES, designed_path, fifteen_objects, scattered_world
+from npslam_teach.simulate.gallery import GALLERY, GalleryWorld, drawn_fifteen
+from npslam_teach.simulate.house import house
 from npslam_teach.simulate.office import OFFICE_CLASSES, office, office_scene
 from npslam_teach.simulate.office_camera import rendered_frame, rendered_frame_and_truth
-from npslam_teach.simulate.runs import add_noise, follow, paper_sensor, simulate_run, visible_objects
+from npslam_teach.simulate.runs import add_noise, carried, follow, paper_sensor, simulate_run, visible_objects
 from npslam_teach.simulate.toy import TOY_CLASSES, toy_objects
 
 __all__ = [
     "FIFTEEN_CLASSES",
+    "GALLERY",
     "OFFICE_CLASSES",
     "TOY_CLASSES",
+    "Drawing",
+    "GalleryWorld",
     "add_noise",
+    "carried",
     "designed_path",
+    "drawn_fifteen",
+    "drawn_run",
     "fifteen_objects",
     "follow",
+    "house",
     "office",
     "office_scene",
     "paper_sensor",

@@ -6,13 +6,16 @@ Every function that draws takes the generator; the same seed gives the same run 
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.data import GroundTruth, RobotLog, SensorModel, World, checked_array
+from npslam_teach.data import GroundTruth, RobotLog, SensorModel, World
+from npslam_teach.validation import checked_array
 
 # The authors' file holds some noise, and their script adds more before every run.
 FILE_ODOMETRY_STD = np.array([0.01, 0.01, 0.01])  # m, m, rad per step
 FILE_OBSERVATION_STD = np.array([0.1, 0.1])  # m
 ADDED_ODOMETRY_STD = np.array([0.02, 0.02, 0.01])  # m, m, rad per step
 ADDED_OBSERVATION_STD = np.array([0.1, 0.1])  # m
+
+STRETCH = 1000  # poses whose sightings are looked for together
 
 
 def paper_sensor(noise: float = 1.0) -> SensorModel:
@@ -59,7 +62,11 @@ def _require_noise(noise: float) -> None:
 
 
 def simulate_run(
-    world: World, path: np.ndarray, sensor: SensorModel, rng: np.random.Generator
+    world: World,
+    path: np.ndarray,
+    sensor: SensorModel,
+    rng: np.random.Generator,
+    object_paths: np.ndarray | None = None,
 ) -> tuple[RobotLog, GroundTruth]:
     """Drive a path through a world and write down what the robot measures.
 
@@ -68,9 +75,10 @@ def simulate_run(
         path: (T, 3) true poses in W.
         sensor: how odometry and the detector err. Standard deviations must be positive.
         rng: draws odometry noise, detections, position noise, class errors, clutter and the order within each frame.
+        object_paths: (T, K, 2) m, W: where each object is at each pose, see ``carried``; None: where the world has it.
 
     Returns:
-        what the estimator may see, and the truth.
+        what the estimator may see, and the truth, which holds the world as given whether anything moved or not.
     """
     path = checked_array("path", path, (None, 3))
     if len(path) == 0:
@@ -81,7 +89,7 @@ def simulate_run(
     odometry = se2.between(path[:-1], path[1:])
     odometry = odometry + rng.normal(size=odometry.shape) * sensor.odometry_std
 
-    time, obj, xy = visible_objects(world, path, sensor)
+    time, obj, xy = visible_objects(world, path, sensor, object_paths)
     detected = rng.random(len(time)) < sensor.detection_probability
     time, obj, xy = time[detected], obj[detected], xy[detected]
     xy = xy + rng.normal(size=xy.shape) * sensor.observation_std
@@ -104,17 +112,45 @@ def simulate_run(
     return log, GroundTruth(world, path, obs_object)
 
 
-def visible_objects(world: World, path: np.ndarray, sensor: SensorModel) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def visible_objects(
+    world: World, path: np.ndarray, sensor: SensorModel, object_paths: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Which objects are within range and field of view of which pose.
 
     Returns:
         (V,) pose index, in increasing order; (V,) object index; (V, 2) m, the object in the frame of the pose.
     """
-    xy = se2.transform_from(path[:, None, :], world.object_xy[None, :, :])
-    in_range = np.linalg.norm(xy, axis=-1) < sensor.max_range
-    in_view = np.abs(np.arctan2(xy[..., 1], xy[..., 0])) < sensor.field_of_view / 2
-    time, obj = np.nonzero(in_range & in_view)
-    return time, obj, xy[time, obj]
+    shape, sightings = (len(path), *world.object_xy.shape), []
+    if object_paths is None:
+        object_xy = np.broadcast_to(world.object_xy, shape)
+    else:
+        object_xy = checked_array("object_paths", object_paths, shape)
+    for begin in range(0, len(path), STRETCH):
+        stretch, places = path[begin : begin + STRETCH], object_xy[begin : begin + STRETCH]
+        # On a long path, most objects are far from any one stretch of it.
+        low, high = stretch[:, :2].min(axis=0) - sensor.max_range, stretch[:, :2].max(axis=0) + sensor.max_range
+        near = np.flatnonzero(((places >= low) & (places <= high)).all(axis=2).any(axis=0))
+        xy = se2.transform_from(stretch[:, None, :], places[:, near])
+        in_range = np.linalg.norm(xy, axis=-1) < sensor.max_range
+        in_view = np.abs(np.arctan2(xy[..., 1], xy[..., 0])) < sensor.field_of_view / 2
+        time, obj = np.nonzero(in_range & in_view)
+        sightings.append((begin + time, near[obj], xy[time, obj]))
+    return tuple(np.concatenate(parts) for parts in zip(*sightings, strict=True))
+
+
+def carried(object_xy: np.ndarray, goal_xy: np.ndarray, num_poses: int) -> np.ndarray:
+    """Where objects are while somebody carries them, evenly and straight, from here to there during the whole run.
+
+    Args:
+        object_xy: (K, 2) m, W, at the first pose.
+        goal_xy: (K, 2) m, W, at the last pose; the same place for an object that stays.
+        num_poses: T.
+
+    Returns:
+        (T, K, 2) m, W, for ``simulate_run``. Only the simulator knows it: a log does not tell what moved.
+    """
+    share = np.linspace(0.0, 1.0, num_poses)[:, None, None]
+    return object_xy + share * (np.asarray(goal_xy) - object_xy)
 
 
 def follow(xy: np.ndarray, step: float) -> np.ndarray:

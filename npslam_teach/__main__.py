@@ -2,11 +2,27 @@
 
 import sys
 
+from npslam_teach import interruption
+
+
+def run() -> int:
+    """Run the command of this process; returns its exit code."""
+    interruption.end_at_once()
+    try:
+        from npslam_teach._environment import enter_environment
+
+        with interruption.unwinding():  # a set-up under way explains itself
+            enter_environment(sys.argv[1:])
+
+        from npslam_teach.cli import main
+
+        return main(sys.argv[1:])
+    except KeyboardInterrupt:
+        interruption.say()
+        return interruption.EXIT_CODE
+    finally:
+        interruption.ignore()
+
+
 if __name__ == "__main__":
-    from npslam_teach._environment import enter_environment
-
-    enter_environment(sys.argv[1:])
-
-    from npslam_teach.cli import main
-
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(run())

@@ -17,6 +17,8 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from npslam_teach.interruption import unwinding
+
 PACKAGE = "npslam_teach"
 OLDEST_PYTHON = (3, 11)
 REPAIR = "on Debian or Ubuntu run `sudo apt install python3-venv`, elsewhere reinstall Python, and try again."
@@ -246,7 +248,7 @@ def replace_process(command: "list[str]") -> None:
     if os.name != "nt":
         os.execv(command[0], command)
     # On Windows, exec would leave the command running behind the prompt. Ctrl-C is the child's to answer.
-    with subprocess.Popen(command) as child:
+    with unwinding(), subprocess.Popen(command) as child:
         while True:
             with contextlib.suppress(KeyboardInterrupt):
                 raise SystemExit(child.wait())

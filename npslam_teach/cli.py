@@ -29,7 +29,7 @@ def main(arguments: list[str] | None = None) -> int:
     """
     parser = build_parser()
     options, extra = parser.parse_known_args(arguments)
-    if extra and options.command != "test":
+    if extra and options.command not in ("test", "bench"):
         parser.error(f"unrecognized arguments: {' '.join(extra)}")
     options.extra = extra
     from npslam_teach import commands
@@ -47,7 +47,7 @@ def main(arguments: list[str] | None = None) -> int:
         # Whoever read our output has seen enough, as `head` does; nothing more can be said to him.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
-    except (ValueError, OSError) as error:
+    except (ValueError, OSError, MemoryError) as error:
         return _explain(parser.prog, options.command, error)
     except KeyboardInterrupt:
         print(f"{parser.prog} {options.command}: interrupted", file=sys.stderr)
@@ -58,6 +58,8 @@ def _explain(program: str, command: str, error: Exception) -> int:
     sentence = " ".join(str(error).split())
     if isinstance(error, OSError) and error.filename is not None and error.strerror:
         sentence = f"{error.filename}: {error.strerror.lower()}"
+    if isinstance(error, MemoryError):
+        sentence = "expected a problem that fits into memory, got one that does not"
     print(f"{program} {command}: {sentence}", file=sys.stderr)
     return 2
 
@@ -70,10 +72,15 @@ def build_parser() -> argparse.ArgumentParser:
     _add_lab(subparsers)
     _add_fetch(subparsers)
     _add_test(subparsers)
+    _add_bench(subparsers)
     _add_reproduce(subparsers)
     _add_solve(subparsers)
     _add_optimize(subparsers)
     _add_figures(subparsers)
+    _add_site(subparsers)
+    _add_book(subparsers)
+    _add_badges(subparsers)
+    _add_assignment(subparsers)
     return parser
 
 
@@ -94,6 +101,11 @@ def _add_fetch(subparsers) -> None:
 
 def _add_test(subparsers) -> None:
     _add(subparsers, "test", "run all tests, notebooks included; further arguments go to pytest")
+
+
+def _add_bench(subparsers) -> None:
+    text = "measure the speed beside other solvers; further arguments go to tests/benchmarks/run.py"
+    _add(subparsers, "bench", text)
 
 
 def _add_reproduce(subparsers) -> None:
@@ -135,12 +147,37 @@ def _add_optimize(subparsers) -> None:
     optimize.add_argument("graph", metavar="GRAPH.g2o", help="a 2-D pose graph")
     optimize.add_argument("--out", metavar="FILE", help="write the solution as .g2o, vertices numbered anew")
     optimize.add_argument("--repeat", type=_count, metavar="N", help="solve N times and list the seconds")
+    text = "stop when a step lowers chi2 by less than this share (default 1e-9)"
+    optimize.add_argument("--tolerance", type=_number, default=1e-9, metavar="R", help=text)
     _add_json(optimize)
 
 
 def _add_figures(subparsers) -> None:
     figures = _add(subparsers, "figures", "draw every figure of the course anew")
     figures.add_argument("--out", metavar="DIR", help="default: the folder figures beside the package")
+
+
+def _add_site(subparsers) -> None:
+    site = _add(subparsers, "site", "build the course as static web pages that run Python in the reader's browser")
+    site.add_argument("--out", required=True, metavar="DIR", help="the folder to make, or an earlier site to replace")
+    site.add_argument("--pyodide", metavar="FOLDER", help="a distribution of Pyodide to hand out with the site")
+
+
+def _add_book(subparsers) -> None:
+    book = _add(subparsers, "book", "write all lessons as one book, to read offline and to print")
+    book.add_argument("--out", required=True, metavar="FILE", help="FILE.html, or FILE.pdf if there is a browser")
+    book.add_argument("--browser", metavar="PROGRAM", help="the Chromium, Chrome or Edge that prints the PDF")
+
+
+def _add_badges(subparsers) -> None:
+    _add(subparsers, "badges", "let the lessons' Colab badges point to the Repository in pyproject.toml")
+
+
+def _add_assignment(subparsers) -> None:
+    assignment = _add(subparsers, "assignment", "write the student's copy of lessons, and their source for nbgrader")
+    assignment.add_argument("lessons", nargs="+", metavar="LESSON", help="numbers of lessons, such as 04")
+    assignment.add_argument("--out", required=True, metavar="DIR", help="folder to write into; nothing is overwritten")
+    assignment.add_argument("--student", action="store_true", help="the student's copy alone, without any solution")
 
 
 def _add_json(parser) -> None:

@@ -4,6 +4,7 @@ import json
 import os
 import sys
 import time
+from contextlib import nullcontext
 from pathlib import Path
 
 from npslam_teach import reports
@@ -48,6 +49,13 @@ def test(options) -> int:
     return _run_module(["pytest", *workers, *notebooks, *own])
 
 
+def bench(options) -> int:
+    """Measure ours beside other solvers, those that are installed."""
+    program = ROOT / "tests" / "benchmarks" / "run.py"
+    _require_checkout(program)
+    return _run_python([str(program), *options.extra])
+
+
 def solve(options) -> int:
     """Run one method on a log and tell what it found."""
     import numpy as np
@@ -57,11 +65,11 @@ def solve(options) -> int:
     settings = _settings(options.method, alpha=options.alpha, threshold=options.threshold)
     write = _writer(options.out, (".json", ".g2o"))
     log, truth = datasets.load_log(options.log)
-    if options.noise != 0:
-        log = simulate.add_noise(log, options.noise, np.random.default_rng(options.seed))
     with datasets.naming(options.log):
+        if options.noise != 0:
+            log = simulate.add_noise(log, options.noise, np.random.default_rng(options.seed))
         run = reports.run_method(options.method, log, settings)
-    result = reports.solve_result(run, truth)
+        result = reports.solve_result(run, truth)
     write(result, run.snapshots[-1].graph)
     _print(result if options.json else reports.solve_text(result), options.json)
     return 0
@@ -69,7 +77,7 @@ def solve(options) -> int:
 
 def reproduce(options) -> int:
     """Run the paper's simulation once or over many seeds, with every method."""
-    from npslam_teach import reproduction
+    from npslam_teach import datasets, reproduction
 
     folder = _folder(options.figures)
     first_seed = options.first_seed
@@ -77,7 +85,8 @@ def reproduce(options) -> int:
         first_seed = 2016 if options.data is None and options.seeds == 1 else 0
     seeds = range(first_seed, first_seed + options.seeds)
     scenes = reproduction.scenes(options.data, options.noise, seeds)
-    result, first, runs = reproduction.run_all(scenes, options.methods, options.iterations, options.seeds)
+    with nullcontext() if options.data is None else datasets.naming(options.data):
+        result, first, runs = reproduction.run_all(scenes, options.methods, options.iterations, options.seeds)
     _print(result if options.json else reproduction.text(result), options.json)
     if folder is not None:
         from npslam_teach.figures import simulation as drawing
@@ -100,9 +109,9 @@ def optimize(options) -> int:
     for _ in tqdm(range(options.repeat or 1), desc="optimize", unit="run", delay=2, leave=False):
         begin = time.perf_counter()
         with datasets.naming(options.graph):
-            steps = list(pose_graph.gauss_newton(graph))
+            steps = pose_graph.descend(graph, options.tolerance)
         seconds.append(time.perf_counter() - begin)
-    result = reports.optimize_result(steps, seconds if options.repeat else seconds[0])
+    result = reports.optimize_result(steps, pose_graph.chi2(graph), seconds if options.repeat else seconds[0])
     write(result, steps[-1].graph)
     _print(result if options.json else reports.optimize_text(result), options.json)
     return 0
@@ -116,6 +125,48 @@ def figures(options) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     drawing.draw_all(folder)
     print(f"figures: {folder}")
+    return 0
+
+
+def site(options) -> int:
+    """Build the course as a JupyterLite site."""
+    from npslam_teach import lessons, lite_site
+
+    _require_checkout(ROOT / "notebooks")
+    pyodide = None if options.pyodide is None else Path(options.pyodide)
+    folder = lite_site.build_site(ROOT, Path(options.out), pyodide)
+    print(f"site: {folder}\nfirst page, on its web server: lab/index.html?path=notebooks/{lessons.FIRST}")
+    return 0
+
+
+def book(options) -> int:
+    """Write all lessons as one HTML file, or print that to PDF."""
+    from npslam_teach import book as making
+
+    _require_checkout(ROOT / "notebooks")
+    making.write_book(ROOT / "notebooks", Path(options.out), options.browser)
+    print(f"book: {options.out}")
+    return 0
+
+
+def badges(options) -> int:
+    """Bring the beginning of every lesson up to date with the address in pyproject.toml."""
+    from npslam_teach import badges as writing
+
+    _require_checkout(ROOT / "notebooks")
+    changed = writing.write_badges(ROOT)
+    address = writing.repository(ROOT / "pyproject.toml") or "nowhere: pyproject.toml names no Repository"
+    print(f"badges: {len(changed)} lessons changed; the course is at {address}")
+
+
+def assignment(options) -> int:
+    """Write the student's copy of some lessons and the source that nbgrader grades."""
+    from npslam_teach import assignment as making
+
+    _require_checkout(ROOT / "notebooks")
+    lessons = list(dict.fromkeys(options.lessons))
+    for path in making.write_assignments(ROOT / "notebooks", lessons, _folder(options.out), options.student):
+        print(path)
     return 0
 
 
@@ -177,7 +228,12 @@ def _require_checkout(path: Path) -> None:
 
 def _run_module(arguments: list[str]) -> int:
     """Run ``python -m`` on this interpreter, in the course's folder, in place of this process."""
-    # Kernels start in the folder of their notebook and must find the package from there.
-    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
     os.chdir(ROOT)
-    return replace_process([sys.executable, "-m", *arguments])
+    return _run_python(["-m", *arguments])
+
+
+def _run_python(arguments: list[str]) -> int:
+    """Run this interpreter in place of this process."""
+    # Kernels and workers start in folders of their own and must find the package from there.
+    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
+    return replace_process([sys.executable, *arguments])

@@ -8,73 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-LARGEST = 1e15  # beyond it, squares and information matrices leave the range of floating point
-
-
-def checked_array(name: str, value, shape: tuple, dtype=float) -> np.ndarray:
-    """Return a read-only copy of ``value``, or say in one sentence what is wrong with it.
-
-    ``shape`` lists the expected length of each axis; ``None`` accepts any length.
-    Raises ``ValueError`` that names the argument, what was expected and what came.
-    """
-    try:
-        array = np.array(value)
-    except ValueError as error:
-        raise ValueError(f"{name}: expected a regular array, got {error}") from None
-    kinds = "biuf" if dtype is float else "iu"
-    is_empty_list = array.size == 0 and array.dtype == float
-    if array.dtype.kind not in kinds and not is_empty_list:
-        wanted = "real numbers" if dtype is float else "integers"
-        raise ValueError(f"{name}: expected {wanted}, got dtype {array.dtype}")
-    if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
-        wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
-        raise ValueError(f"{name}: expected shape {wanted}, got {array.shape}")
-    if array.dtype.kind == "u" and array.max(initial=0) > np.iinfo(np.int64).max:
-        raise ValueError(f"{name}: expected integers below 2^63, got {array.max()}")
-    array = array.astype(np.float64 if dtype is float else np.int64)
-    if dtype is float and not np.isfinite(array).all():
-        raise ValueError(
-            f"{name}: expected finite numbers, got {np.count_nonzero(~np.isfinite(array))} NaN or infinite"
-        )
-    if dtype is float and np.abs(array).max(initial=0.0) > LARGEST:
-        raise ValueError(f"{name}: expected numbers up to {LARGEST:g}, got {np.abs(array).max():g}")
-    array.setflags(write=False)
-    return array
-
-
-def checked_index(name: str, index, length: int) -> np.ndarray:
-    """Indices (N,) into something of a length; ``ValueError`` for one that does not exist, negative ones included."""
-    index = checked_array(name, np.ravel(index), (None,), int)
-    _require_range(name, index, 0, length, "an index")
-    return index
+from npslam_teach.validation import checked_array, require_positive, require_range, require_semidefinite
 
 
 def _set(instance, name: str, shape: tuple, dtype=float) -> None:
     object.__setattr__(instance, name, checked_array(name, getattr(instance, name), shape, dtype))
-
-
-def _require_range(name: str, index: np.ndarray, low: int, high: int, what: str) -> None:
-    """Raise ``ValueError`` unless every entry of ``index`` lies in [low, high)."""
-    bad = np.flatnonzero((index < low) | (index >= high))
-    if bad.size:
-        raise ValueError(f"{name}: expected {what} from {low} to {high - 1}, got {index[bad[0]]} at entry {bad[0]}")
-
-
-def _require_positive(name: str, value: np.ndarray) -> None:
-    if not (value > 0).all():
-        raise ValueError(f"{name}: expected positive numbers, got {value.tolist()}")
-
-
-def _require_semidefinite(name: str, information: np.ndarray) -> None:
-    """Raise ``ValueError`` unless every matrix is symmetric and positive semidefinite."""
-    if information.size == 0:
-        return
-    scale = np.abs(information).max(axis=(1, 2))
-    asymmetry = np.abs(information - information.swapaxes(1, 2)).max(axis=(1, 2))
-    smallest = np.linalg.eigvalsh(information)[:, 0]
-    bad = np.flatnonzero((asymmetry > 1e-9 * scale) | (smallest < -1e-9 * scale))
-    if bad.size:
-        raise ValueError(f"{name}: expected symmetric positive semidefinite matrices, entry {bad[0]} is not")
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +27,7 @@ class World:
         object.__setattr__(self, "class_names", tuple(str(name) for name in self.class_names))
         _set(self, "object_xy", (None, 2))
         _set(self, "object_class", (len(self.object_xy),), int)
-        _require_range("object_class", self.object_class, 0, len(self.class_names), "a class index")
+        require_range("object_class", self.object_class, 0, len(self.class_names), "a class index")
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,10 +89,10 @@ class RobotLog:
         if int(self.num_classes) != self.num_classes or self.num_classes < 1:
             raise ValueError(f"num_classes: expected a positive integer, got {self.num_classes}")
         object.__setattr__(self, "num_classes", int(self.num_classes))
-        _require_range("obs_time", self.obs_time, 0, self.num_poses, "the index of a pose")
-        _require_range("obs_class", self.obs_class, 0, self.num_classes, "a class index")
-        _require_positive("odometry_std", self.odometry_std)
-        _require_positive("observation_std", self.observation_std)
+        require_range("obs_time", self.obs_time, 0, self.num_poses, "the index of a pose")
+        require_range("obs_class", self.obs_class, 0, self.num_classes, "a class index")
+        require_positive("odometry_std", self.odometry_std)
+        require_positive("observation_std", self.observation_std)
 
     @property
     def num_poses(self) -> int:
@@ -178,7 +116,7 @@ class GroundTruth:
     def __post_init__(self):
         _set(self, "poses", (None, 3))
         _set(self, "obs_object", (None,), int)
-        _require_range("obs_object", self.obs_object, -1, len(self.world.object_xy), "an object index (-1 = clutter)")
+        require_range("obs_object", self.obs_object, -1, len(self.world.object_xy), "an object index (-1 = clutter)")
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,7 +134,7 @@ class BetweenFactors:
         _set(self, "j", (num_factors,), int)
         _set(self, "relative_pose", (num_factors, 3))
         _set(self, "information", (num_factors, 3, 3))
-        _require_semidefinite("information", self.information)
+        require_semidefinite("information", self.information)
         if (self.i == self.j).any():
             raise ValueError(f"j: expected a pose other than i, got i = j = {self.i[self.i == self.j][0]}")
 
@@ -216,7 +154,7 @@ class ObservationFactors:
         _set(self, "landmark", (num_factors,), int)
         _set(self, "xy", (num_factors, 2))
         _set(self, "information", (num_factors, 2, 2))
-        _require_semidefinite("information", self.information)
+        require_semidefinite("information", self.information)
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,7 +182,7 @@ class PoseGraph:
                 "the index of a landmark",
             ),
         ):
-            _require_range(name, index, 0, high, what)
+            require_range(name, index, 0, high, what)
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,7 +199,7 @@ class Snapshot:
     def __post_init__(self):
         _set(self, "labels", (None,), int)
         _set(self, "votes", (len(self.graph.landmarks), None))
-        _require_range("labels", self.labels, -1, len(self.votes), "an object index (-1 = none)")
+        require_range("labels", self.labels, -1, len(self.votes), "an object index (-1 = none)")
 
     @property
     def num_objects(self) -> int:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from npslam_teach.data import GroundTruth, RobotLog, World, checked_array
+from npslam_teach.data import GroundTruth, RobotLog, World
 from npslam_teach.fetch import fetch_mu2016_simulation, fetch_stata_office
 from npslam_teach.files import atomic_write, naming, read_bytes, shorten
 from npslam_teach.g2o import load_g2o, save_g2o
@@ -24,6 +24,7 @@ from npslam_teach.mu2016 import (
     simulation_from,
     stata_office_from,
 )
+from npslam_teach.validation import checked_array
 
 __all__ = [
     "atomic_write",
@@ -40,10 +41,14 @@ __all__ = [
 LOG_FIELDS = ("odometry", "obs_time", "obs_xy", "obs_class", "num_classes", "odometry_std", "observation_std")
 TRUTH_FIELDS = ("true_poses", "true_object", "object_xy", "object_class")
 _NAMES_FIELD = "class_names"
-_MAX_FIELD_BYTES = 1 << 30
+_MAX_FIELD_BYTES = 1 << 26  # 2.8 million poses
+# What NumPy writes. The others fail in ways of their own and would only serve to hide a larger bomb.
+_COMPRESSIONS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+# A field of this size that shrinks to less than a hundredth holds nothing but repetitions: somebody wants our memory.
+_SUSPICIOUS_BYTES, _SUSPICIOUS_RATIO = 1 << 20, 100
 
-# What zipfile raises on damaged, encrypted or exotically compressed archives, and NumPy on damaged headers of
-# arrays, which it parses as Python source.
+# What zipfile raises on damaged or encrypted archives, and NumPy on damaged headers of arrays, which it parses as
+# Python source.
 _ARCHIVE_ERRORS = (
     zipfile.BadZipFile,
     zlib.error,
@@ -176,8 +181,13 @@ def _describe(error: Exception) -> str:
 
 
 def _read_field(archive: zipfile.ZipFile, member: zipfile.ZipInfo, name: str) -> np.ndarray:
-    if member.file_size > _MAX_FIELD_BYTES:
-        raise ValueError(f"{name}: expected at most {_MAX_FIELD_BYTES} bytes, got {member.file_size}")
+    size, packed = member.file_size, member.compress_size
+    if size > _MAX_FIELD_BYTES:
+        raise ValueError(f"{name}: expected at most {_MAX_FIELD_BYTES} bytes, got {size}")
+    if size > _SUSPICIOUS_BYTES and size > _SUSPICIOUS_RATIO * packed:
+        raise ValueError(f"{name}: expected measurements, got {packed} bytes that unpack to {size}")
+    if member.compress_type not in _COMPRESSIONS:
+        raise ValueError(f"{name}: expected an entry stored or deflated, got method {member.compress_type} of zip")
     try:
         raw = archive.read(member)
     except _ARCHIVE_ERRORS as error:
@@ -187,23 +197,28 @@ def _read_field(archive: zipfile.ZipFile, member: zipfile.ZipInfo, name: str) ->
 
 def _parse_npy(raw: bytes, name: str) -> np.ndarray:
     stream = io.BytesIO(raw)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # headers by Python 2, odd escapes: taken or refused, not discussed
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # headers by Python 2, odd escapes: taken or refused, not discussed
+        try:
             shape, dtype = _npy_header(stream)
-    except _ARCHIVE_ERRORS as error:
-        raise ValueError(f"{name}: expected an array in NumPy's format, got {_describe(error)}") from None
+        except _ARCHIVE_ERRORS as error:
+            raise ValueError(f"{name}: expected an array in NumPy's format, got {_describe(error)}") from None
+        _require_plain(name, shape, dtype, len(raw) - stream.tell())
+        try:
+            stream.seek(0)
+            return np.lib.format.read_array(stream, allow_pickle=False)
+        except ValueError as error:
+            raise ValueError(f"{name}: expected an array in NumPy's format, got {_describe(error)}") from None
+
+
+def _require_plain(name: str, shape: tuple, dtype: np.dtype, left: int) -> None:
+    """Raise ``ValueError`` unless the header claims plain data of just as many bytes as are ``left``."""
     if dtype.hasobject:
         raise ValueError(f"{name}: expected plain numbers or text, got pickled Python objects")
-    size, left = math.prod(shape) * dtype.itemsize, len(raw) - stream.tell()
+    size = math.prod(shape) * dtype.itemsize
     if size != left or not dtype.itemsize or min(shape, default=0) < 0:
         claim = shorten(f"a header that claims {shape} of {dtype}")
         raise ValueError(f"{name}: expected an array of the {left} bytes in the file, got {claim}")
-    try:
-        stream.seek(0)
-        return np.lib.format.read_array(stream, allow_pickle=False)
-    except ValueError as error:
-        raise ValueError(f"{name}: expected an array in NumPy's format, got {_describe(error)}") from None
 
 
 def _npy_header(stream) -> tuple[tuple, np.dtype]:

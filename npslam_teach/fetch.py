@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from npslam_teach.files import read_bytes, shorten
+from npslam_teach.interruption import unwinding
 
 _URL = "https://raw.githubusercontent.com/BeipengMu/objectSLAM/master/data/"
 DATA_VARIABLE = "NPSLAM_TEACH_DATA"
@@ -76,12 +77,13 @@ def _download(original: _Original) -> Path:
     url = _URL + original.name
     advice = f"put the file into a folder and name the folder in {DATA_VARIABLE}"
     try:
-        path = pooch.retrieve(
-            url,
-            known_hash="sha256:" + original.sha256,
-            fname=original.local_name,
-            path=pooch.os_cache("npslam_teach"),
-        )
+        with unwinding():  # what has been downloaded so far is a file with a name of its own
+            path = pooch.retrieve(
+                url,
+                known_hash="sha256:" + original.sha256,
+                fname=original.local_name,
+                path=pooch.os_cache("npslam_teach"),
+            )
     except OSError as error:  # no network, no such page, no room: requests' errors are OSErrors, too
         reason = shorten(str(error), 120)
         raise ConnectionError(f"{url}: expected to download it, got {reason}; {advice}") from None

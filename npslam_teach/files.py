@@ -6,6 +6,10 @@ import stat
 from contextlib import contextmanager
 from pathlib import Path
 
+from npslam_teach.interruption import unwinding
+
+MAX_BYTES = 1 << 27  # of a file to read; the largest graph of 100,000 poses has a quarter of it
+
 
 @contextmanager
 def naming(where):
@@ -41,7 +45,7 @@ def read_bytes(path) -> bytes:
 
     Raises:
         FileNotFoundError: nothing is there.
-        ValueError: it is a folder or a device, it cannot be read, or it is empty.
+        ValueError: it is a folder or a device, it cannot be read, it is empty or larger than ``MAX_BYTES``.
     """
     path = Path(path)
     mode = _file_type(path)
@@ -51,9 +55,12 @@ def read_bytes(path) -> bytes:
         kind = "a folder" if stat.S_ISDIR(mode) else "a device or pipe"
         raise ValueError(f"{path}: expected a file, got {kind}")
     try:
-        data = path.read_bytes()
+        size = path.stat().st_size
+        data = b"" if size > MAX_BYTES else path.read_bytes()
     except OSError as error:
         raise ValueError(f"{path}: expected a readable file, got {_reason(error)}") from None
+    if size > MAX_BYTES:
+        raise ValueError(f"{path}: expected at most {MAX_BYTES} bytes, got {size}")
     if not data:
         raise ValueError(f"{path}: expected a file with contents, got an empty one")
     return data
@@ -81,17 +88,19 @@ def atomic_write(path, mode: str = "w"):
     temporary = target.with_name(f".tmp-{secrets.token_hex(8)}")
     text = {} if mode == "wb" else {"encoding": "utf-8", "newline": "\n"}
     try:
-        with open(temporary, mode.replace("w", "x"), **text) as stream:
-            yield stream
-        os.replace(temporary, target)
+        with unwinding():
+            try:
+                with open(temporary, mode.replace("w", "x"), **text) as stream:
+                    yield stream
+                os.replace(temporary, target)
+            finally:
+                temporary.unlink(missing_ok=True)
     except OSError as error:
         # A full disk names no file; an error that names one of ours comes from opening or replacing it. Any
         # other was raised by the body about something else and is not ours to reword.
         if error.filename in (None, str(temporary), temporary):
             raise ValueError(f"{path}: expected a place to write, got {_reason(error)}") from None
         raise
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def _checked_target(path: Path) -> Path:

@@ -20,8 +20,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from npslam_teach.data import LARGEST, BetweenFactors, ObservationFactors, PoseGraph
-from npslam_teach.files import atomic_write, read_bytes, shorten
+from npslam_teach.data import BetweenFactors, ObservationFactors, PoseGraph
+from npslam_teach.files import atomic_write, naming, read_bytes, shorten
+from npslam_teach.validation import LARGEST
+
+_MAX_LINE_BYTES = 1 << 20  # whatever has longer lines is no text; splitting it would take many times its size
 
 _FIELDS = {  # tag -> names of its ids, names of its numbers
     b"VERTEX_SE2": (("id",), ("x", "y", "theta")),
@@ -50,10 +53,13 @@ def load_g2o(path) -> PoseGraph:
         raise ValueError(f"{path}: expected at least one VERTEX_SE2, got none")
     _require_unique(path, rows[b"VERTEX_SE2"] + rows[b"VERTEX_XY"])
     _require_one_fixed_pose(path, rows[b"FIX"], pose_index)
+    between = _edges(path, rows[b"EDGE_SE2"], pose_index, pose_index, 3, BetweenFactors)
+    with naming(path):  # turning can make the largest numbers a little larger
+        between = turned_information(between, +1)
     return PoseGraph(
         poses=_vertices(rows[b"VERTEX_SE2"], 3),
         landmarks=_vertices(rows[b"VERTEX_XY"], 2),
-        between=_turned(_edges(path, rows[b"EDGE_SE2"], pose_index, pose_index, 3, BetweenFactors), +1),
+        between=between,
         observations=_edges(path, rows[b"EDGE_SE2_XY"], pose_index, landmark_index, 2, ObservationFactors),
     )
 
@@ -68,8 +74,9 @@ def save_g2o(path, graph: PoseGraph) -> None:
         FileNotFoundError: the folder does not exist.
         ValueError: the file cannot be written.
     """
-    first_landmark = len(graph.poses)
-    between, seen = _turned(graph.between, -1), graph.observations
+    first_landmark, seen = len(graph.poses), graph.observations
+    with naming(path):
+        between = turned_information(graph.between, -1)
     lines = [
         *_lines("VERTEX_SE2", [np.arange(first_landmark)], graph.poses),
         *_lines("VERTEX_XY", [first_landmark + np.arange(len(graph.landmarks))], graph.landmarks),
@@ -80,7 +87,7 @@ def save_g2o(path, graph: PoseGraph) -> None:
         stream.writelines(lines)
 
 
-def _turned(between: BetweenFactors, sign: int) -> BetweenFactors:
+def turned_information(between: BetweenFactors, sign: int) -> BetweenFactors:
     """The same factors with information from the frame of pose j to that of pose i (+1) or back (-1)."""
     theta = sign * between.relative_pose[:, 2]
     turn = np.tile(np.eye(3), (len(theta), 1, 1))
@@ -107,6 +114,9 @@ def _parse(path) -> dict:
     rows = {tag: [] for tag in _FIELDS}
     # Bytes, not text: a number has no other digits than ASCII's, and a comment may be in any encoding.
     for line_number, line in enumerate(read_bytes(path).splitlines(), 1):
+        if len(line) > _MAX_LINE_BYTES:
+            problem = f"expected at most {_MAX_LINE_BYTES} bytes, got {len(line)}"
+            raise ValueError(f"{path}, line {line_number}: {problem}")
         fields = line.split(b"#", 1)[0].split()
         if fields:
             ids, numbers = _convert(path, line_number, fields)
@@ -142,7 +152,7 @@ def _unknown(tag: bytes) -> str:
 
 
 def _quote(field: bytes) -> str:
-    return shorten(field.decode("latin-1"))
+    return shorten(field[:100].decode("latin-1"))
 
 
 def _integer(field: bytes) -> int:

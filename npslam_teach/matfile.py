@@ -21,8 +21,9 @@ _NUMBER_TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 
 _STRUCT_CLASS, _OPAQUE_CLASS, _NUMBER_CLASSES = 2, 17, range(6, 16)
 _CLASS_NAMES = {1: "cells", 2: "too deep a nesting", 3: "an object", 4: "text", 5: "a sparse matrix"}
 _COMPLEX_FLAG = 0x800
-_MAX_BYTES = 1 << 28  # after decompression; the authors' files have less than one hundredth of this
+_MAX_BYTES = 1 << 23  # after decompression, and of a variable's numbers; the authors' larger file has 0.9 million
 _MAX_DEPTH = 8  # structures within structures
+_MAX_STRUCTURES = 100_000  # in one array; an empty one takes 8 bytes of the file and a thousand of memory
 
 
 def read_mat(path, names) -> dict:
@@ -140,6 +141,8 @@ def _value(flags: int, shape: list, elements: memoryview, order: str, depth: int
         raise ValueError(f"expected real numbers or a structure, got {got}")
     kind, contents, _ = _element(elements, 0, order)
     numbers = _numbers(kind, contents, order)
+    if 8 * numbers.size > _MAX_BYTES:
+        raise _damaged("too much data")
     if numbers.size != math.prod(shape):
         raise _damaged(f"{numbers.size} numbers for the shape {shape[:4]}")
     # MATLAB stores doubles that are whole numbers as unsigned bytes: minus one of those would be 255.
@@ -155,6 +158,8 @@ def _structures(count: int, elements: memoryview, order: str, depth: int) -> lis
         raise _damaged(f"{len(names)} bytes for names that are {width} bytes wide")
     padded = [bytes(names[k : k + width]) for k in range(0, len(names), width)]
     fields = [name.split(b"\0")[0].decode("latin-1") for name in padded]
+    if count > _MAX_STRUCTURES:
+        raise ValueError(f"expected at most {_MAX_STRUCTURES} structures, got {count}")
     structures = []
     for _ in range(count if fields else 0):  # a count that is too large runs out of elements at once
         structure = {}

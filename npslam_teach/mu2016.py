@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from npslam_teach.data import GroundTruth, RobotLog, World, checked_array
+from npslam_teach.data import GroundTruth, RobotLog, World
 from npslam_teach.files import naming
 from npslam_teach.matfile import read_mat
 from npslam_teach.se2 import between, wrap
+from npslam_teach.validation import checked_array
 
 SIMULATION_VARIABLES = ("node_edge", "lm_edge", "truth_traj", "truth_objects")
 STATA_VARIABLES = ("stata_frames",)

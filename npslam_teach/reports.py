@@ -30,8 +30,13 @@ def run_method(method: str, log: RobotLog, settings: dict) -> Run:
     from npslam_teach.methods import METHODS
 
     begin = time.perf_counter()
+    snapshots = []
     # The bar shows itself only when the work takes longer than two seconds.
-    snapshots = list(tqdm(METHODS[method](log, **settings), desc=method, unit="iteration", delay=2, leave=False))
+    with tqdm(METHODS[method](log, **settings), desc=method, unit=" iterations", delay=2, leave=False) as progress:
+        for snapshot in progress:
+            snapshots.append(snapshot)
+            # A refresh now would show the bar at once, and leave it there.
+            progress.set_postfix(objects=snapshot.num_objects, refresh=False)
     return Run(method, log, snapshots, time.perf_counter() - begin)
 
 
@@ -97,12 +102,13 @@ def solve_text(result: dict) -> str:
     )
 
 
-def optimize_result(steps: list, seconds) -> dict:
+def optimize_result(steps: list, chi2_initial: float, seconds) -> dict:
     """What ``optimize --json`` prints."""
     last = steps[-1]
     return {
         "chi2": last.chi2,
-        "chi2_initial": steps[0].chi2,
+        "chi2_initial": chi2_initial,
+        "start": "given" if math.isclose(steps[0].chi2, chi2_initial, rel_tol=1e-9) else "chordal",
         "iterations": last.iteration,
         "converged": last.converged,
         "status": last.status,
@@ -119,7 +125,7 @@ def optimize_text(result: dict) -> str:
         [
             f"poses, landmarks      {len(result['poses'])}, {len(result['landmarks'])}",
             f"chi2                  {result['chi2_initial']:.6g} -> {result['chi2']:.6f}",
-            f"iterations            {result['iterations']} ({result['status']})",
+            f"iterations            {result['iterations']} from the {result['start']} start ({result['status']})",
             f"seconds               {', '.join(f'{s:.4f}' for s in seconds)}",
         ]
     )

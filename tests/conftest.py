@@ -18,6 +18,8 @@ ORIGINALS = (
 # Kernels and command lines that tests start must find the package, wherever they start.
 _ROOT = str(Path(__file__).parent.parent)
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [_ROOT, os.environ.get("PYTHONPATH")]))
+# On a busy machine even a small run may take the two seconds after which a bar appears among the words under test.
+os.environ["TQDM_DISABLE"] = "1"
 
 
 @pytest.fixture(scope="session")

@@ -72,7 +72,20 @@ def test_the_names_of_the_methods_are_those_of_the_library():
 
 def test_every_command_has_its_function():
     actions = cli.build_parser()._subparsers._group_actions[0].choices
-    assert set(actions) == {"lab", "fetch", "test", "reproduce", "solve", "optimize", "figures"}
+    assert set(actions) == {
+        "lab",
+        "fetch",
+        "test",
+        "bench",
+        "reproduce",
+        "solve",
+        "optimize",
+        "figures",
+        "site",
+        "book",
+        "badges",
+        "assignment",
+    }
     assert all(callable(getattr(commands, name)) for name in actions)
 
 
@@ -185,6 +198,7 @@ def test_optimize_prints_one_json_object(capsys, g2o_file):
     assert set(result) == {
         "chi2",
         "chi2_initial",
+        "start",
         "iterations",
         "converged",
         "status",
@@ -424,6 +438,20 @@ def test_huge_numbers_in_a_log(capsys, log_file):
     assert_one_sentence(*call(capsys, "solve", log_file), "run.npz", "obs_xy", "1e+15")
 
 
+@pytest.mark.parametrize("arguments", [["solve"], ["reproduce", "--noise", "0", "--data"]])
+def test_a_log_that_only_the_metrics_cannot_use_is_named(capsys, log_file, arguments):
+    with_field(log_file, odometry_std=np.full(3, 1e-10))
+    assert_one_sentence(*call(capsys, *arguments, log_file), "run.npz", "odometry_std", "1e-07")
+
+
+def test_too_little_memory_is_one_sentence(capsys, log_file, monkeypatch):
+    def too_much(*_):
+        raise MemoryError
+
+    monkeypatch.setattr("npslam_teach.reports.run_method", too_much)
+    assert_one_sentence(*call(capsys, "solve", log_file), "memory")
+
+
 def test_a_graph_without_information(capsys, g2o_file):
     g2o_file.write_text("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nEDGE_SE2 0 1 1 0 0 0 0 0 0 0 0\n")
     assert_one_sentence(*call(capsys, "optimize", g2o_file), "graph.g2o", "singular")
@@ -576,3 +604,10 @@ def test_test_hands_its_arguments_to_pytest(monkeypatch):
     assert started[0][0] == "pytest"
     assert started[0][-3:] == ["tests/test_se2.py", "-k", "wrap"]
     assert "--nbval" in started[0]
+
+
+def test_no_progress_bar_where_nobody_waits(log_file, monkeypatch):
+    """The fastest method, as a process that may show its bar: there is nothing to see in the first two seconds."""
+    monkeypatch.delenv("TQDM_DISABLE", raising=False)
+    done = run("solve", log_file, "--method", "frame-by-frame")
+    assert (done.returncode, done.stderr) == (0, "")

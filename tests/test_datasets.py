@@ -2,47 +2,20 @@
 
 import io
 import os
+import warnings
 import zipfile
 
 import numpy as np
 import pytest
 import scipy.io
+from layouts import LOG_FIELDS, TRUTH_FIELDS, fields_of, office_variables, simulation_variables, small_run
 
 from npslam_teach import data, datasets, se2
-
-LOG_FIELDS = ["odometry", "obs_time", "obs_xy", "obs_class", "num_classes", "odometry_std", "observation_std"]
-TRUTH_FIELDS = ["true_poses", "true_object", "object_xy", "object_class"]
-
-
-def small_run(rng, num_poses=6, num_objects=3, num_observations=8):
-    """A log without noise and its truth."""
-    poses = np.column_stack([rng.normal(size=(num_poses, 2)) * 5, rng.uniform(-np.pi, np.pi, num_poses)])
-    world = data.World(rng.normal(size=(num_objects, 2)), np.arange(num_objects) % 2, ["chair", "écran"])
-    obs_time, obs_object = rng.integers([[num_poses], [num_objects]], size=(2, num_observations))
-    log = data.RobotLog(
-        odometry=se2.between(poses[:-1], poses[1:]),
-        obs_time=obs_time,
-        obs_xy=se2.transform_from(poses[obs_time], world.object_xy[obs_object]),
-        obs_class=world.object_class[obs_object],
-        num_classes=2,
-        odometry_std=[0.1, 0.2, 0.3],
-        observation_std=[0.4, 0.5],
-    )
-    return log, data.GroundTruth(world, poses, obs_object)
 
 
 @pytest.fixture
 def run():
     return small_run(np.random.default_rng(0))
-
-
-def fields_of(log, truth=None):
-    """The arrays that a .npz log of this run holds."""
-    fields = {name: getattr(log, name) for name in LOG_FIELDS}
-    if truth is not None:
-        values = (truth.poses, truth.obs_object, truth.world.object_xy, truth.world.object_class)
-        fields |= dict(zip(TRUTH_FIELDS, values, strict=True)) | {"class_names": np.array(truth.world.class_names)}
-    return fields
 
 
 def assert_same_run(run, other):
@@ -238,7 +211,51 @@ def test_a_directory_entry_that_claims_a_terabyte_is_not_believed(tmp_path, run)
     entry = contents.index(b"PK\x01\x02")  # the first entry of the central directory: the size after unpacking
     contents[entry + 24 : entry + 28] = (2**32 - 2).to_bytes(4, "little")
     path.write_bytes(contents)
-    assert "odometry: expected at most 1073741824 bytes, got 4294967294" in message_of(path)
+    assert "odometry: expected at most 67108864 bytes, got 4294967294" in message_of(path)
+
+
+@pytest.mark.parametrize("method", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_an_entry_compressed_in_another_way_than_numpys_is_refused(tmp_path, run, method):
+    path = tmp_path / "run.npz"
+    with zipfile.ZipFile(path, "w", method) as archive:
+        for name, value in fields_of(run[0]).items():
+            archive.writestr(name + ".npy", npy(value))
+    assert f"odometry: expected an entry stored or deflated, got method {method} of zip" in message_of(path)
+
+
+def test_a_bomb_is_refused_before_it_is_unpacked(tmp_path, run):
+    path = tmp_path / "run.npz"
+    np.savez_compressed(path, **fields_of(run[0]) | {"odometry": np.zeros((100_000, 3))})
+    assert "odometry: expected measurements, got " in message_of(path)
+    assert message_of(path).endswith(" bytes that unpack to 2400128")
+
+
+def test_a_long_walk_is_no_bomb(tmp_path):
+    rng, count = np.random.default_rng(0), 60_000
+    log = data.RobotLog(rng.normal(size=(count, 3)), [], np.zeros((0, 2)), [], 1, [1.0] * 3, [1.0] * 2)
+    np.savez_compressed(tmp_path / "run.npz", **fields_of(log))
+    np.testing.assert_array_equal(datasets.load_log(tmp_path / "run.npz")[0].odometry, log.odometry)
+
+
+def test_headers_by_python_2_are_read_without_a_word(tmp_path, run):
+    old = npy(run[0].odometry).replace(b"(5, 3), ", b"(5L, 3),")
+    with zipfile.ZipFile(tmp_path / "run.npz", "w") as archive:
+        for name, value in fields_of(run[0]).items():
+            archive.writestr(name + ".npy", old if name == "odometry" else npy(value))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        log, _ = datasets.load_log(tmp_path / "run.npz")
+    np.testing.assert_array_equal(log.odometry, run[0].odometry)
+
+
+@pytest.mark.parametrize("name", ["run.npz", "run.mat", "run.g2o"])
+def test_a_file_larger_than_any_log_is_not_read(tmp_path, monkeypatch, name):
+    path = tmp_path / name
+    with path.open("wb") as stream:
+        stream.truncate(1 << 40)  # takes no room on the disk
+    monkeypatch.setattr("pathlib.Path.read_bytes", lambda self: pytest.fail("read it"))
+    load = datasets.load_g2o if name.endswith("g2o") else datasets.load_log
+    assert "expected at most 134217728 bytes, got 1099511627776" in message_of(path, load)
 
 
 def encrypted(contents):
@@ -396,24 +413,6 @@ def test_atomic_write_keeps_links_and_devices_and_permissions(tmp_path):
 # ---- the authors' simulation ----
 
 
-def simulation_variables(log, truth):
-    """A run in the authors' conventions: rotations by R(-theta), and a first step to the first pose."""
-    poses = truth.poses * [1, 1, -1] + [0, 0, 2 * np.pi]  # headings are not wrapped in the file
-    steps = np.vstack([[0.7, 0.1, 0.2], log.odometry]) * [1, 1, -1]
-    return {
-        "node_edge": {"dpos": steps[:, :2].T, "dtheta": steps[:, 2]},
-        "lm_edge": {
-            "id1": log.obs_time.astype(np.uint16),
-            "id2": (truth.obs_object + 1).astype(np.uint8),
-            "dpos": log.obs_xy.T,
-            "label": log.obs_class + 1.0,
-        },
-        "truth_objects": np.column_stack([truth.world.object_xy, truth.world.object_class]),
-        "truth_traj": poses,
-        "FOV": 4,
-    }
-
-
 @pytest.mark.parametrize("do_compression", [False, True])
 @pytest.mark.parametrize("seed", range(3))
 def test_simulation_file_without_noise_leaves_no_residual(tmp_path, seed, do_compression):
@@ -502,30 +501,6 @@ def test_a_mat_file_with_other_variables(tmp_path):
 
 
 # ---- the office ----
-
-
-def camera_pose(pose):
-    """(4, 4) pose of a level camera (x right, y down, z forward) for a pose on the floor."""
-    x, y, theta = pose
-    camera = np.eye(4)
-    camera[:3, 0] = [np.cos(theta), 0, np.sin(theta)]  # right of forward
-    camera[:3, 2] = [-np.sin(theta), 0, np.cos(theta)]  # forward
-    camera[:3, 3] = [-y, 0.3, x]
-    return camera
-
-
-def office_variables(log, truth, ids=(17, 6)):
-    """The log as frames of the office experiment, the classes given these ids."""
-    objects = [[] for _ in range(log.num_poses)]
-    for t, (x, y), c in zip(log.obs_time, log.obs_xy, log.obs_class, strict=True):
-        pose = np.eye(4, dtype=np.float32)
-        pose = pose + np.array([[0, 0, 0, -y], [0, 0, 0, 0.5], [0, 0, 0, x], [0, 0, 0, 0]])
-        objects[t].append({"label": float(ids[c]), "score": 0.5, "T": pose})
-    frames = np.empty((1, log.num_poses), [("Seq", "O"), ("T", "O"), ("objects", "O")])
-    for t, pose in enumerate(truth.poses):
-        found = np.array([(o["label"], o["T"]) for o in objects[t]] + [None], [("label", "O"), ("T", "O")])[:-1]
-        frames[0, t] = (t, camera_pose(pose), found if len(found) else np.zeros((0, 0)))
-    return {"stata_frames": frames}
 
 
 @pytest.mark.parametrize("seed", range(3))

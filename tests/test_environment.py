@@ -140,7 +140,7 @@ def test_python_3_11_and_newer_are_accepted():
         env.check_python(version)
 
 
-@pytest.mark.parametrize("name", ["__main__.py", "_environment.py", "__init__.py"])
+@pytest.mark.parametrize("name", ["__main__.py", "_environment.py", "__init__.py", "interruption.py"])
 def test_an_old_python_can_read_far_enough_to_say_so(name):
     source = (ROOT / "npslam_teach" / name).read_text(encoding="utf-8")
     tree = ast.parse(source, feature_version=(3, 6))
@@ -402,7 +402,7 @@ def copy(tmp_path):
     """A course in a folder with an awkward name, whose command line tells where it runs."""
     root = tmp_path / "a course, été"
     (root / "npslam_teach").mkdir(parents=True)
-    for name in ["__init__.py", "__main__.py", "_environment.py"]:
+    for name in ["__init__.py", "__main__.py", "_environment.py", "interruption.py"]:
         shutil.copy(ROOT / "npslam_teach" / name, root / "npslam_teach" / name)
     (root / "npslam_teach" / "cli.py").write_text(
         "import json, sys\n"

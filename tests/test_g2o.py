@@ -245,6 +245,20 @@ def test_a_graph_needs_a_pose(tmp_path, text):
     assert str(path) in str(caught.value)
 
 
+def test_a_line_that_is_no_text_is_refused_without_being_split(tmp_path):
+    path = write(tmp_path, SMALL.encode() + b"\0" * 2_000_000)
+    with pytest.raises(ValueError, match="graph.g2o, line 8: expected at most 1048576 bytes, got 2000000"):
+        load_g2o(path)
+
+
+def test_information_that_is_too_large_once_it_is_turned_names_the_file(tmp_path):
+    path = write(
+        tmp_path, SMALL + "EDGE_SE2 4 7 1 0 0.7 1e15 0 0 1e14 0 1\nEDGE_SE2 4 7 1 0 0.7 1e15 9e14 0 1e15 0 1\n"
+    )
+    with pytest.raises(ValueError, match=r"graph.g2o: information: expected numbers up to 1e\+15, got 1\."):
+        load_g2o(path)
+
+
 def test_a_file_that_is_no_file(tmp_path):
     with pytest.raises(FileNotFoundError, match="missing.g2o: expected a file"):
         load_g2o(tmp_path / "missing.g2o")

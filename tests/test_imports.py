@@ -12,9 +12,23 @@ import npslam_teach
 PACKAGE = Path(npslam_teach.__file__).parent
 SOURCES = {".".join(path.relative_to(PACKAGE).with_suffix("").parts): path for path in sorted(PACKAGE.rglob("*.py"))}
 DRAWING = ("plotting", "figures", "widgets")  # packages that may import matplotlib
-ESTIMATORS = {"associate", "pose_graph", "residuals", "sparse", "dirichlet", "se2", "data"} | {
-    name for name in SOURCES if name.startswith("methods")
-}
+ESTIMATORS = {
+    "associate",
+    "candidates",
+    "chordal",
+    "covariance",
+    "data",
+    "determined",
+    "dirichlet",
+    "factorize",
+    "incremental",
+    "linearization",
+    "pose_graph",
+    "residuals",
+    "se2",
+    "sparse",
+    "validation",
+} | {name for name in SOURCES if name.startswith("methods")}
 
 
 def imported(name, top_level_only=False):
@@ -65,6 +79,8 @@ def test_matplotlib_and_ipywidgets_stay_where_they_belong(name):
         assert "matplotlib" not in others
     if name != "widgets.__init__":
         assert "ipywidgets" not in others
+    if not name.startswith("widgets"):
+        assert not others & {"anywidget", "traitlets"}
 
 
 @pytest.mark.parametrize("name", sorted(SOURCES))

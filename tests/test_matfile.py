@@ -79,3 +79,18 @@ def test_a_mat_file_nested_too_deeply_is_refused(tmp_path):
     scipy.io.savemat(tmp_path / "run.mat", {"node_edge": value})
     with pytest.raises(ValueError, match="node_edge: expected real numbers or a structure, got too deep"):
         read_mat(tmp_path / "run.mat", {"node_edge"})
+
+
+def test_a_mat_file_of_too_many_numbers_is_refused(tmp_path):
+    """A byte of the file is eight bytes of memory once it has become a number."""
+    scipy.io.savemat(tmp_path / "run.mat", {"truth_traj": np.zeros((400_000, 3), np.uint8)}, do_compression=True)
+    with pytest.raises(ValueError, match=r"run\.mat: truth_traj: expected an intact .mat file, got too much data"):
+        read_mat(tmp_path / "run.mat", {"truth_traj"})
+
+
+def test_a_mat_file_of_too_many_structures_is_refused(tmp_path):
+    frames = np.zeros((1, 100_001), [("T", "O")])
+    frames["T"] = 0
+    scipy.io.savemat(tmp_path / "run.mat", {"stata_frames": frames})
+    with pytest.raises(ValueError, match=r"run\.mat: stata_frames: expected at most 100000 structures, got 100001"):
+        read_mat(tmp_path / "run.mat", {"stata_frames"})

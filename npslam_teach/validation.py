@@ -1,0 +1,77 @@
+"""Checks of what comes in: each names the argument, what was expected and what came, in one sentence."""
+
+import numpy as np
+
+LARGEST = 1e15  # beyond it, squares and information matrices leave the range of floating point
+
+
+def checked_array(name: str, value, shape: tuple, dtype=float) -> np.ndarray:
+    """Return a read-only copy of ``value``, or say in one sentence what is wrong with it.
+
+    ``shape`` lists the expected length of each axis; ``None`` accepts any length.
+    Raises ``ValueError`` that names the argument, what was expected and what came.
+    """
+    try:
+        array = np.array(value)
+    except ValueError as error:
+        raise ValueError(f"{name}: expected a regular array, got {error}") from None
+    kinds = "biuf" if dtype is float else "iu"
+    is_empty_list = array.size == 0 and array.dtype == float
+    if array.dtype.kind not in kinds and not is_empty_list:
+        wanted = "real numbers" if dtype is float else "integers"
+        raise ValueError(f"{name}: expected {wanted}, got dtype {array.dtype}")
+    if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
+        wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
+        raise ValueError(f"{name}: expected shape {wanted}, got {array.shape}")
+    if array.dtype.kind == "u" and array.max(initial=0) > np.iinfo(np.int64).max:
+        raise ValueError(f"{name}: expected integers below 2^63, got {array.max()}")
+    array = array.astype(np.float64 if dtype is float else np.int64)
+    if dtype is float and not np.isfinite(array).all():
+        raise ValueError(
+            f"{name}: expected finite numbers, got {np.count_nonzero(~np.isfinite(array))} NaN or infinite"
+        )
+    if dtype is float and np.abs(array).max(initial=0.0) > LARGEST:
+        raise ValueError(f"{name}: expected numbers up to {LARGEST:g}, got {np.abs(array).max():g}")
+    array.setflags(write=False)
+    return array
+
+
+def checked_index(name: str, index, length: int) -> np.ndarray:
+    """Indices (N,) into something of a length; ``ValueError`` for one that does not exist, negative ones included."""
+    index = checked_array(name, np.ravel(index), (None,), int)
+    require_range(name, index, 0, length, "an index")
+    return index
+
+
+def require_range(name: str, index: np.ndarray, low: int, high: int, what: str) -> None:
+    """Raise ``ValueError`` unless every entry of ``index`` lies in [low, high)."""
+    bad = np.flatnonzero((index < low) | (index >= high))
+    if bad.size:
+        raise ValueError(f"{name}: expected {what} from {low} to {high - 1}, got {index[bad[0]]} at entry {bad[0]}")
+
+
+def require_positive(name: str, value: np.ndarray) -> None:
+    """Raise ``ValueError`` unless every number is positive."""
+    if not (value > 0).all():
+        raise ValueError(f"{name}: expected positive numbers, got {value.tolist()}")
+
+
+def require_semidefinite(name: str, information: np.ndarray) -> None:
+    """Raise ``ValueError`` unless every matrix is symmetric and positive semidefinite."""
+    if information.size == 0:
+        return
+    scale = np.abs(information).max(axis=(1, 2))
+    asymmetry = np.abs(information - information.swapaxes(1, 2)).max(axis=(1, 2))
+    bad = np.flatnonzero((asymmetry > 1e-9 * scale) | _has_negative_direction(information, 1e-9 * scale))
+    if bad.size:
+        raise ValueError(f"{name}: expected symmetric positive semidefinite matrices, entry {bad[0]} is not")
+
+
+def _has_negative_direction(matrices: np.ndarray, margin: np.ndarray) -> np.ndarray:
+    """Which of (E, d, d) symmetric matrices have an eigenvalue below minus the margin (E,)."""
+    try:
+        # Where all matrices are definite, as nearly always, this is several times faster than their eigenvalues.
+        np.linalg.cholesky(matrices)
+    except np.linalg.LinAlgError:
+        return np.linalg.eigvalsh(matrices)[:, 0] < -margin
+    return np.zeros(len(matrices), dtype=bool)

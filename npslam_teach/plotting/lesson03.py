@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from npslam_teach import se2
 from npslam_teach.data import PoseGraph
+from npslam_teach.linearization import graph_structure, linearize
 from npslam_teach.plotting.maps import plot_objects
 from npslam_teach.plotting.style import (
     ESTIMATE_COLOR,
@@ -23,7 +24,7 @@ from npslam_teach.plotting.style import (
     legend_beside,
     new_figure,
 )
-from npslam_teach.pose_graph import graph_structure, linearize, marginal_covariance
+from npslam_teach.pose_graph import marginal_covariance
 
 STEP_LINE = {"colors": ESTIMATE_COLOR, "linewidths": 1.8, "zorder": 2.0}
 SIGHTING_LINE = {"colors": "#8a8a8a", "linewidths": 0.9, "zorder": 1.8}
@@ -109,7 +110,7 @@ def in_three_orders(graph: PoseGraph) -> dict:
     orders = {
         "objects first": np.roll(np.arange(structure.num_unknowns), 2 * len(graph.landmarks)),
         "poses first": np.arange(structure.num_unknowns),
-        "reordered": np.argsort(structure.permuted_of_natural),
+        "reordered": structure.elimination_order,
     }
     return {name: matrix[order][:, order].tocsc() for name, order in orders.items()}
 

@@ -159,6 +159,7 @@ def plot_triangle(ax: Axes, concentration: np.ndarray, class_names, title: str =
 def set_triangle(shading, concentration: np.ndarray) -> None:
     """Shade what ``plot_triangle`` drew for another distribution."""
     shading.set_array(shade(concentration, triangle_points()[0]))
+    shading.stale = True  # which is not matplotlib's habit after set_array
 
 
 def plot_summaries(ax: Axes, summaries: dict) -> dict[str, Line2D]:

@@ -15,7 +15,6 @@ from PIL import Image
 from npslam_teach.files import atomic_write
 
 PNG_DPI = 125  # the largest figures of the course stay below 120 kB
-SCREEN_DPI = 100.0  # of pictures that follow a slider
 FRAME_DPI = 90
 CSS_DPI = 96  # what a browser takes an inch for
 # Whatever a user's own settings are: random ids inside an SVG, its text, and the edges of a picture.
@@ -121,26 +120,26 @@ def _checked(alt: str) -> str:
     return " ".join(alt.split())
 
 
-def picture_tag(figure: Figure, alt: str) -> str:
-    """The ``<img>`` of a picture that is drawn again and again: quick to make, larger than a file would be.
+def picture_tag(png: bytes, alt: str, inches) -> str:
+    """The ``<img>`` of a picture that follows a slider.
 
     Args:
-        figure: the figure.
+        png: the file.
         alt: what the picture shows now.
+        inches: its width and height; a page that knows both keeps its place free while the next picture is decoded.
     """
-    text, stream = _checked(alt), io.BytesIO()
-    figure.savefig(stream, format="png", dpi=SCREEN_DPI, pil_kwargs={"compress_level": 1})
-    return _tag("image/png", stream.getvalue(), text, figure.get_figwidth())
+    width, height = (round(length * CSS_DPI) for length in inches)
+    size = f'width="{width}" height="{height}" style="max-width:100%;height:auto"'
+    return _tag("image/png", png, _checked(alt), size)
 
 
 def _as_html(media_type: str, content: bytes, alt: str, inches: float):
     # Imported here: files are also written where there is no notebook.
     from IPython.display import HTML
 
-    return HTML(_tag(media_type, content, alt, inches))
+    return HTML(_tag(media_type, content, alt, f'width="{round(inches * CSS_DPI)}" style="max-width:100%"'))
 
 
-def _tag(media_type: str, content: bytes, alt: str, inches: float) -> str:
+def _tag(media_type: str, content: bytes, alt: str, size: str) -> str:
     data = base64.b64encode(content).decode("ascii")
-    size = f'width="{round(inches * CSS_DPI)}" style="max-width:100%"'
     return f'<img alt="{html.escape(alt, quote=True)}" src="data:{media_type};base64,{data}" {size}>'

@@ -26,7 +26,8 @@ def explore_triangle(class_names=TOY_CLASSES, votes=(7, 3, 0), prior: float = 1.
     (samples,) = ax.plot([], [], label="sample", zorder=3, **lesson05.SAMPLE)
     marks = lesson05.plot_summaries(ax, dict.fromkeys(lesson05.SUMMARIES))
     style = {"loc": "upper left", "bbox_to_anchor": (-0.02, 1.0), "frameon": False, "fontsize": TEXT_SIZE["legend"]}
-    ax.legend(handles=[*lesson05.summary_handles(marks), samples], **style)
+    legend = ax.legend(handles=[*lesson05.summary_handles(marks), samples], **style)
+    legend.set_zorder(0.5)  # below all that moves, none of which comes near it: so it is drawn once
 
     def update(first: int, second: int, third: int, prior: float) -> str:
         votes = np.array([first, second, third], dtype=float)

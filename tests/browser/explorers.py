@@ -1,0 +1,159 @@
+"""Explorers as they stand in a page, and the same ones made here: what a page shows is compared with the library."""
+
+import contextlib
+import io
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import ipywidgets
+import nbformat
+from lab_server import ROOT, timeout_error
+
+from npslam_teach.widgets import Explorer
+
+MEASURE = (Path(__file__).parent / "latency.js").read_text(encoding="utf-8")
+EXPLORE = re.compile(r"\bexplore_\w+\(")
+EXPLORER = ".npslam-explorer"
+ANSWER_SECONDS = 20
+
+
+def lessons_with_explorers() -> list[str]:
+    """The names of their notebooks."""
+    paths = sorted((ROOT / "notebooks").glob("[0-9]*.ipynb"))
+    return [path.name for path in paths if EXPLORE.search(path.read_text(encoding="utf-8"))]
+
+
+def explorers_of(lesson: str) -> list[Explorer]:
+    """The explorers of a lesson, made by running its cells in this process, in the order of their cells."""
+    cells = nbformat.read(ROOT / "notebooks" / lesson, as_version=4).cells
+    # The cell that gets the course where it is missing awaits, as only a notebook can.
+    installing = [cell for cell in cells if "install" in cell.metadata.get("tags", [])]
+    sources = [cell.source for cell in cells if cell.cell_type == "code" and cell not in installing]
+    with_explorers = [k for k, source in enumerate(sources) if EXPLORE.search(source)]
+    namespace = {"__name__": lesson}
+    with contextlib.redirect_stdout(io.StringIO()):
+        for k, source in enumerate(sources[: max(with_explorers, default=-1) + 1]):
+            exec(compile(source, f"{lesson}, code cell {k}", "exec"), namespace)
+    return [each for each in namespace.values() if isinstance(each, Explorer)]
+
+
+@dataclass
+class Control:
+    """A slider or a list of an explorer in the page."""
+
+    name: str  # of the argument of the explorer's update
+    twin: ipywidgets.Widget  # the same control of the explorer in this process
+    locator: object  # what has the focus when it is used
+    readout: object  # the number beside a slider
+
+    @property
+    def is_list(self) -> bool:
+        return isinstance(self.twin, ipywidgets.Dropdown)
+
+    def values(self) -> list:
+        """All that it can be set to, in order."""
+        if self.is_list:
+            return list(dict(self.twin.options).values())
+        steps = round((self.twin.max - self.twin.min) / self.twin.step)
+        return [round(self.twin.min + k * self.twin.step, 9) for k in range(steps + 1)]
+
+    def index(self) -> int:
+        """Which of them the page shows."""
+        if self.is_list:
+            return self.locator.evaluate("each => each.selectedIndex")
+        shown = float(self.readout.text_content())
+        return min(range(len(self.values())), key=lambda k: abs(self.values()[k] - shown))
+
+    def key(self, forward: bool) -> str:
+        return {True: ("ArrowRight", "ArrowDown"), False: ("ArrowLeft", "ArrowUp")}[forward][self.is_list]
+
+
+class Shown:
+    """An explorer in the page, and its twin in this process."""
+
+    def __init__(self, page, number: int, twin: Explorer):
+        self.page, self.number, self.twin = page, number, twin
+        self.root = root = page.locator(EXPLORER).nth(number)
+        root.scroll_into_view_if_needed()
+        rows = root.locator(".widget-inline-hbox", has=page.locator("label"))
+        self.controls = []
+        for name, widget in twin.sliders.items():
+            row = rows.filter(has=page.locator(f"label:text-is('{widget.description}')"))
+            focus = "select" if isinstance(widget, ipywidgets.Dropdown) else "[role=slider]"
+            self.controls.append(Control(name, widget, row.locator(focus), row.locator(".widget-readout")))
+        root.evaluate(MEASURE)
+
+    def values(self) -> dict:
+        """What the page's controls are set to."""
+        return {control.name: control.values()[control.index()] for control in self.controls}
+
+    def picture(self) -> dict:
+        """The picture, its alternative text and the words under it."""
+        return self.root.evaluate(
+            """root => {
+                const image = root.querySelector("figure img");
+                return {source: image.src, alt: image.alt, words: root.querySelector("figcaption").textContent};
+            }"""
+        )
+
+    def expected(self) -> dict:
+        """The library's answer for what the page's controls are set to."""
+        words = self.twin.move(**self.values())
+        return {"source": re.search('src="([^"]*)"', self.twin._picture.value).group(1), "alt": words, "words": words}
+
+    def press(self, control: Control, forward: bool) -> dict:
+        """Press an arrow key, wait until the answer is painted, and check all of it; returns what is shown then."""
+        known, before = self.root.evaluate("root => root.latencies.length"), control.index()
+        control.locator.press(control.key(forward))
+        self.wait("root.latencies.length > known", known, f"{control.name}: the picture did not change")
+        assert control.index() == before + (1 if forward else -1)
+        shown, expected = self.picture(), self.expected()
+        for what in ("words", "alt"):
+            assert shown[what] == expected[what], f"{shown[what]!r} for {expected[what]!r}"
+        assert shown["source"] == expected["source"], f"not the picture of {self.values()}: {shown['words']}"
+        return shown
+
+    def wait(self, condition: str, known, what: str) -> None:
+        """Wait for a condition in JavaScript on ``root`` and ``known``; say what was waited for if it never comes."""
+        try:
+            self.page.wait_for_function(
+                f"([root, known]) => {condition}",
+                arg=[self.root.element_handle(), known],
+                timeout=1000 * ANSWER_SECONDS,
+            )
+        except timeout_error():
+            raise AssertionError(f"{what} ({self.values()}; {self.picture()['words']})") from None
+
+    def wait_for_answer(self) -> None:
+        """Wait until the words are those of what the controls are set to."""
+        words = "root.querySelector('figcaption').textContent"
+        self.wait(f"{words} === known", self.expected()["words"], "the words do not follow")
+
+    def walk(self, control: Control, most: int) -> list[dict]:
+        """Press arrow keys towards the farther end, at most so often, and back to where it stood."""
+        last = len(control.values()) - 1 - control.index()
+        forward = last >= control.index()
+        presses = min(max(last, control.index()), most)
+        there = [self.press(control, forward) for _ in range(presses)]
+        return there + [self.press(control, not forward) for _ in range(presses)]
+
+    def names_in_the_accessibility_tree(self) -> list[tuple[str, str]]:
+        """(role, name) of all in this explorer that a screen reader can come to."""
+        self.controls[
+            0
+        ].locator.focus()  # what was never in sight is not in the tree, and comes into it some frames later
+        session = self.page.context.new_cdp_session(self.page)
+        place = f"document.querySelectorAll({EXPLORER!r})[{self.number}]"
+        element = session.send("Runtime.evaluate", {"expression": place})["result"]["objectId"]
+        for _ in range(100):
+            nodes = session.send("Accessibility.queryAXTree", {"objectId": element})["nodes"]
+            names = [(node["role"]["value"], node["name"]["value"]) for node in nodes if not node["ignored"]]
+            if any(role == "image" for role, _ in names):
+                break
+            self.page.evaluate("() => new Promise(requestAnimationFrame)")
+        return names
+
+    def latencies(self) -> list[float]:
+        """Milliseconds from each key press to changed pixels since the last call."""
+        return self.root.evaluate("root => root.latencies.splice(0)")

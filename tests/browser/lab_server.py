@@ -1,0 +1,202 @@
+"""A real JupyterLab on a copy of the course, and a real browser to look at it."""
+
+import contextlib
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import nbformat
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
+CHROMIUM_ARGUMENTS = (
+    "--disable-gpu --disable-dev-shm-usage --disable-quic --no-first-run --disable-background-networking "
+    "--disable-component-update --disable-sync"
+).split()
+START_SECONDS = 90
+CELLS_SECONDS = 120
+LARGE_WINDOW = {"width": 1400, "height": 1000}
+
+
+@dataclass(frozen=True)
+class Lab:
+    """A JupyterLab that runs: where it listens, the token that opens it, the copy of the course that it serves."""
+
+    address: str
+    token: str
+    folder: Path
+
+    def url(self, notebook: str, workspace: str) -> str:
+        """Where a notebook opens alone, whatever was open before."""
+        return f"{self.address}/lab/workspaces/{workspace}/tree/notebooks/{notebook}?token={self.token}&reset"
+
+
+def copy_of_the_course(folder: Path) -> Path:
+    """What ``lab`` needs, in a folder where JupyterLab may save over notebooks.
+
+    The notebooks are cleared: whatever a page shows afterwards was made by this run.
+    """
+    for name in ("npslam_teach", "notebooks", "figures"):
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__", ".ipynb_checkpoints"))
+    shutil.copy(ROOT / "environment.txt", folder)
+    for path in (folder / "notebooks").glob("*.ipynb"):
+        notebook = nbformat.read(path, as_version=4)
+        for cell in notebook.cells:
+            if cell.cell_type == "code":
+                cell.update(outputs=[], execution_count=None)
+        nbformat.write(notebook, path)
+    return folder
+
+
+def free_port() -> int:
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return listener.getsockname()[1]
+
+
+@contextlib.contextmanager
+def running_lab(folder: Path, settings: Path) -> Iterator[Lab]:
+    """Start ``python -m npslam_teach lab`` in a copy of the course, and shut it down as Ctrl-C twice would.
+
+    Args:
+        folder: from ``copy_of_the_course``.
+        settings: an empty folder for Jupyter's own files, so that a user's settings change nothing here.
+    """
+    own = {f"JUPYTER_{name}_DIR": str(settings / name.lower()) for name in ("CONFIG", "DATA", "RUNTIME")}
+    environment = os.environ | own | {"PYTHONPATH": str(folder), "IPYTHONDIR": str(settings / "ipython")}
+    command = [sys.executable, "-m", "npslam_teach", "lab", "--no-browser", "--port", str(free_port())]
+    log = settings / "lab.log"
+    _write_settings(settings / "config")
+    with log.open("wb") as stream:
+        process = subprocess.Popen(
+            command, cwd=folder, env=environment, stdout=stream, stderr=stream, start_new_session=True
+        )
+    try:
+        yield Lab(*_address(process, log), folder)
+    finally:
+        _shut_down(process, log)
+
+
+def _write_settings(config: Path) -> None:
+    """Nothing that pops up over the page: no question about news."""
+    folder = config / "lab" / "user-settings" / "@jupyterlab" / "apputils-extension"
+    folder.mkdir(parents=True)
+    text = '{"fetchNews": "false", "checkForUpdates": false}'
+    (folder / "notification.jupyterlab-settings").write_text(text, encoding="utf-8")
+
+
+def _address(process, log: Path) -> tuple[str, str]:
+    """Wait for the line in which Jupyter prints where it listens."""
+    end = time.monotonic() + START_SECONDS
+    while time.monotonic() < end:
+        text = log.read_text(encoding="utf-8", errors="replace")
+        if found := re.search(r"(http://127\.0\.0\.1:\d+)/lab\S*\?token=(\w+)", text):
+            return found.group(1), found.group(2)
+        assert process.poll() is None, f"lab ended: {text[-2000:]}"
+        time.sleep(0.1)  # a process that starts tells nobody when
+    raise AssertionError(f"lab did not start within {START_SECONDS} s: {text[-2000:]}")
+
+
+def _shut_down(process, log: Path) -> None:
+    """Ask the server to end, which ends its kernels too; whatever does not listen is a failure."""
+    if process.poll() is not None:
+        return
+    process.send_signal(signal.SIGTERM)
+    try:
+        process.wait(30)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait(10)
+        raise AssertionError(f"lab did not shut down: {log.read_text(errors='replace')[-2000:]}") from None
+
+
+@contextlib.contextmanager
+def running_chromium():
+    """A headless Chromium, or a skipped test that says what is missing."""
+    sync_api = pytest.importorskip(
+        "playwright.sync_api", reason="playwright is not installed: pip install -r tests/requirements.txt"
+    )
+    path = next(filter(None, map(shutil.which, CHROMIUM)), None)
+    if path is None:
+        pytest.skip("no Chromium found: install the package chromium")
+    # A container runs everything as root, where Chromium refuses its own sandbox.
+    rootless = [] if hasattr(os, "geteuid") and os.geteuid() != 0 else ["--no-sandbox"]
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=[*CHROMIUM_ARGUMENTS, *rootless])
+        yield browser
+        browser.close()
+
+
+def write_notebook(path: Path, *sources: str) -> None:
+    """A notebook of code cells."""
+    cells = [nbformat.v4.new_code_cell(source) for source in sources]
+    notebook = nbformat.v4.new_notebook(cells=cells)
+    notebook.metadata["kernelspec"] = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
+    nbformat.write(notebook, path)
+
+
+def open_notebook(page, lab: Lab, name: str, workspace: str = "test") -> None:
+    """Open a notebook of the course and wait until its kernel is idle."""
+    page.goto(lab.url(name, workspace))
+    page.locator(".jp-Notebook:visible").wait_for(timeout=60_000)
+    wait_until_idle(page)
+    page.keyboard.press("Control+b")  # the list of files takes half of a narrow window
+
+
+def wait_until_idle(page, milliseconds: float = 60_000) -> None:
+    """Wait until the kernel of the notebook in front has nothing to do."""
+    page.locator("#jp-main-statusbar", has_text="| Idle").wait_for(timeout=milliseconds)
+
+
+def run_all_cells(page) -> None:
+    """Run every cell of the notebook in front, and wait until the last one is done and the kernel is idle.
+
+    The notebook must be one that has not run: with no number at any cell.
+    """
+    begun, done = (_every_prompt(pattern) for pattern in (r"\[(\*|\d+)\]", r"\[\d+\]"))
+    for _ in range(10):
+        page.keyboard.press("Escape")  # closes a menu that the last try left open
+        page.locator("li.lm-MenuBar-item", has_text="Run").click()
+        page.locator("[data-command='runmenu:run-all']").click()
+        # A notebook that is still being wired to its kernel ignores the command without a word.
+        with contextlib.suppress(timeout_error()):
+            page.wait_for_function(begun, timeout=3_000)
+            break
+    else:
+        raise AssertionError("the cells did not run")
+    page.wait_for_function(done, timeout=1000 * CELLS_SECONDS)
+    wait_until_idle(page)
+
+
+def _every_prompt(pattern: str) -> str:
+    """JavaScript: whether all code cells in front have a prompt like this."""
+    return f"""() => {{
+        const prompts = [...document.querySelectorAll(".jp-Notebook .jp-CodeCell .jp-InputPrompt")];
+        return prompts.length > 0 && prompts.every((each) => /{pattern}/.test(each.textContent));
+    }}"""
+
+
+def saved(page, lab: Lab, name: str) -> nbformat.NotebookNode:
+    """Save the notebook in front and read it back: its cells with the outputs of this run."""
+    path = lab.folder / "notebooks" / name
+    with page.expect_response(lambda response: response.request.method == "PUT" and name in response.url) as answer:
+        page.keyboard.press("Escape")
+        page.keyboard.press("Control+s")
+    assert answer.value.ok, answer.value.status
+    return nbformat.read(path, as_version=4)
+
+
+def timeout_error() -> type[Exception]:
+    """What Playwright raises when it has waited long enough; imported late, because it may be missing."""
+    from playwright.sync_api import TimeoutError
+
+    return TimeoutError

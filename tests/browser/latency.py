@@ -1,0 +1,83 @@
+"""How long from a key press to changed pixels, for every control of every explorer, as a table.
+
+``python tests/browser/latency.py`` measures on a machine that does nothing else, prints the table, and exits with 1
+where a median is above its budget: 100 ms, or 250 ms where a slider runs the whole method on fifteen objects anew.
+"""
+
+import statistics
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from explorers import Shown, explorers_of, lessons_with_explorers
+from lab_server import (
+    LARGE_WINDOW,
+    copy_of_the_course,
+    open_notebook,
+    run_all_cells,
+    running_chromium,
+    running_lab,
+)
+
+BUDGET, BUDGET_OF_A_RUN = 100, 250  # ms, of the median
+RUNS_THE_METHOD = ("07_fifteen_objects.ipynb",)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of the table: times of one control, in ms."""
+
+    lesson: str
+    control: str
+    milliseconds: tuple[float, ...]
+
+    @property
+    def budget(self) -> int:
+        return BUDGET_OF_A_RUN if self.lesson in RUNS_THE_METHOD else BUDGET
+
+    @property
+    def median(self) -> float:
+        return statistics.median(self.milliseconds)
+
+    def __str__(self) -> str:
+        times = f"{len(self.milliseconds)} | {self.median:.0f} | {max(self.milliseconds):.0f} | {self.budget}"
+        return f"| {self.lesson.split('.')[0]} | {self.control} | {times} |"
+
+
+def table(rows: list[Row]) -> str:
+    """Markdown."""
+    head = ["| lesson | control | key presses | median (ms) | worst (ms) | budget of the median (ms) |"]
+    return "\n".join([*head, "|---|---|---|---|---|---|", *map(str, rows), ""])
+
+
+def measure(page, lab, lesson: str, presses: int) -> list[Row]:
+    """Open a lesson, run it, and press the arrow keys of every control, at most so often each way."""
+    open_notebook(page, lab, lesson)
+    run_all_cells(page)
+    rows = []
+    for number, twin in enumerate(explorers_of(lesson)):
+        explorer = Shown(page, number, twin)
+        for control in explorer.controls:
+            explorer.walk(control, presses)
+            rows.append(Row(lesson, control.twin.description, tuple(explorer.latencies())))
+    return rows
+
+
+def main(presses: int = 12) -> int:
+    """Measure every lesson; the exit code says whether all keep to their budgets."""
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        course, settings = Path(folder, "course"), Path(folder, "jupyter")
+        settings.mkdir()
+        with running_lab(copy_of_the_course(course), settings) as lab, running_chromium() as browser:
+            for lesson in lessons_with_explorers():
+                context = browser.new_context(viewport=LARGE_WINDOW)
+                rows += measure(context.new_page(), lab, lesson, presses)
+                context.close()
+    print(table(rows))
+    return 0 if all(row.median <= row.budget for row in rows) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

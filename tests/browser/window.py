@@ -1,0 +1,37 @@
+"""The notebook in front in windows of several widths: can all of it be read?"""
+
+from pathlib import Path
+
+LAYOUT = (Path(__file__).parent / "layout.js").read_text(encoding="utf-8")
+HIGHEST = 16_000  # px: what Chromium can take a picture of
+
+
+class Window:
+    """The window of a page at another width, and so high that the whole notebook is in sight; ``with`` restores it."""
+
+    def __init__(self, page, width: int):
+        self.page, self.width = page, width
+
+    def __enter__(self):
+        self.before = self.page.viewport_size
+        self._resize(HIGHEST)
+        # A cell that was never in sight has a guessed height, so the layout settles in steps.
+        self.page.wait_for_function(f"() => ({LAYOUT}).isSettled()", polling=100)
+        self._resize(self.page.evaluate(f"() => ({LAYOUT}).bottom()") + 60)
+        return self
+
+    def __exit__(self, *error):
+        self.page.set_viewport_size(self.before)
+
+    def _resize(self, height: float) -> None:
+        self.page.set_viewport_size({"width": self.width, "height": int(height)})
+        self.page.evaluate(f"() => ({LAYOUT}).scrollToTop()")
+
+    def complaints(self) -> list[str]:
+        """What cannot be read."""
+        return self.page.evaluate(f"() => ({LAYOUT}).complaints()")
+
+    def screenshot(self, path: Path) -> None:
+        """Of the whole notebook."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self.page.screenshot(path=path)

@@ -36,10 +36,12 @@ _HOME_OF = {
     "load_g2o": "datasets",
     "save_g2o": "datasets",
     "dead_reckoning": "se2",
-    "linearize": "pose_graph",
+    "linearize": "linearization",
     "gauss_newton": "pose_graph",
     "optimize": "pose_graph",
-    "marginal_covariance": "pose_graph",
+    "chordal_start": "chordal",
+    "marginal_covariance": "covariance",
+    "IncrementalSolver": "incremental",
     "association_probabilities": "associate",
     "decide": "associate",
     "sweep": "associate",
@@ -50,8 +52,8 @@ _HOME_OF = {
     "ekf_slam": "methods",
 }
 _MODULES = (
-    "associate centroids checks data datasets dirichlet evaluate figures methods plotting pose_graph residuals se2 "
-    "simulate sparse widgets without_truth"
+    "associate centroids checks chordal covariance data datasets dirichlet drawing evaluate factorize figures "
+    "incremental linearization methods plotting pose_graph residuals se2 simulate sparse widgets without_truth"
 ).split()
 
 __all__ = sorted(_HOME_OF)

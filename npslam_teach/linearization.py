@@ -100,6 +100,48 @@ def normal_equations(graph: PoseGraph, structure: BlockStructure, at: Residuals)
     return data, np.concatenate([b_poses[1:].ravel(), b_landmarks.ravel()])
 
 
+def curvature(graph: PoseGraph, structure: BlockStructure, at: Residuals) -> np.ndarray:
+    """What Gauss-Newton leaves out of the second derivative of chi2 / 2: ``sum (Omega r)^T d^2 r``, in its places.
+
+    Residuals that are small or nearly straight make it small beside H. A long chain that wheels and camera bend against
+    each other makes it matter: there ``H + curvature`` is the slope of b, and H alone is not.
+
+    Args: as in ``normal_equations``.
+
+    Returns:
+        (nnz,) for the upper triangle, like the ``data`` of H. Their sum need not be positive definite.
+    """
+    poses, landmarks, between, observations = graph.poses, graph.landmarks, graph.between, graph.observations
+    steps = poses[between.j, :2] - poses[between.i, :2]
+    sights = landmarks[observations.landmark] - poses[observations.pose, :2]
+    pulls = np.einsum("eij,ej->ei", between.information, at.between)[:, :2]
+    more_pulls = np.einsum("eij,ej->ei", observations.information, at.observations)
+    blocks = _curved_blocks(poses[between.i, 2], steps, pulls, 3)
+    more_blocks = _curved_blocks(poses[observations.pose, 2], sights, more_pulls, 2)
+    return structure.gather(np.concatenate([block.ravel() for block in blocks + more_blocks]))
+
+
+def _curved_blocks(theta: np.ndarray, difference: np.ndarray, pull: np.ndarray, width: int) -> list[np.ndarray]:
+    """Second derivatives of ``f = pull . R(theta)^T (b - a)`` by pose a = (xy, theta) and by b, in blocks aa, ab and bb.
+
+    ``df/db = R pull``, which turns with theta; whatever depends on b - a alone is linear and does not curve.
+
+    Args:
+        theta: (E,) rad.
+        difference: (E, 2) m, b - a in W.
+        pull: (E, 2) Omega r, held still.
+        width: unknowns of b, whose first two are x and y.
+    """
+    cos, sin = np.cos(theta), np.sin(theta)
+    gradient = np.stack([cos * pull[:, 0] - sin * pull[:, 1], sin * pull[:, 0] + cos * pull[:, 1]])
+    turned = np.stack([-gradient[1], gradient[0]])
+    aa, ab, bb = (np.zeros((*shape, len(theta))) for shape in ((3, 3), (3, width), (width, width)))
+    aa[:2, 2] = aa[2, :2] = -turned
+    aa[2, 2] = -(gradient * difference.T).sum(axis=0)
+    ab[2, :2] = turned
+    return [aa, ab, bb]
+
+
 def _weighted_square(residual: np.ndarray, information: np.ndarray) -> float:
     return float(np.einsum("ei,ei->", residual, np.einsum("eij,ej->ei", information, residual)))
 

@@ -24,6 +24,7 @@ from npslam_teach.factorize import factorizer
 from npslam_teach.linearization import (
     Residuals,
     chi2,
+    curvature,
     graph_structure,
     linearize,
     normal_equations,
@@ -37,6 +38,8 @@ ROUNDING = 1e-13  # the share of chi2 that is lost when it is added up
 MOST_DAMPING = 1e12
 MOST_CORRECTIONS = 3
 BELIEVED = 0.75  # the share of what the linear problem promised that corrections must bring
+CREEPING = 0.05  # a step that still brings this share of what the one before has brought, and little of chi2,
+LITTLE = 0.01  # is one of many that will follow
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +62,10 @@ def gauss_newton(
 
     A step that would raise chi2 is followed by the next ones, which may make up for it; if they do not, it is taken
     back and shortened by damping (a multiple of H's own diagonal, Levenberg and Marquardt) until it lowers chi2.
+
+    Near the minimum of most graphs each step brings a small fraction of what the one before has brought. Where it is
+    more, wheels and camera disagree about long soft bends; from then on Newton's steps, with the ``curvature`` that
+    Gauss-Newton leaves out, are taken where they lower chi2.
 
     Args:
         graph: the start; pose 0 stays where it is.
@@ -84,14 +91,18 @@ def gauss_newton(
     step = Step(0, graph, at.chi2, np.zeros(structure.num_unknowns), 0.0, status == "converged", status)
     yield step
     factorize = factorizer(structure, library)
+    gain, creeping = np.inf, False
     while step.status == "running":
         data, b = normal_equations(step.graph, structure, at)
         if step.iteration == 0:
             require_determined(step.graph, structure, data, factorize)
         # A perfect fit ends at rounding error, of which no relative decrease can be asked.
         negligible = max(tolerance, ROUNDING) * at.chi2 + 1e-20 * len(b)
-        trial = _descend(step, at, data, b, structure, factorize, negligible)
+        trial = _newton(step, at, data, b, structure, factorize) if creeping else None
+        trial = trial or _descend(step, at, data, b, structure, factorize, negligible)
         status = _status(step, at.chi2, trial, negligible, max_iterations)
+        previous_gain, gain = gain, at.chi2 - trial.at.chi2
+        creeping = creeping or CREEPING * previous_gain < gain < LITTLE * at.chi2
         at = trial.at
         step = Step(step.iteration + 1, trial.graph, at.chi2, trial.dx, trial.damping, status == "converged", status)
         yield step
@@ -148,6 +159,13 @@ def _descend(step: Step, at: Residuals, data, b, structure, factorize, negligibl
         stuck = True
         damping = max(10 * damping, 1e-6)
     return _Trial(step.graph, at, np.zeros_like(b), damping, stuck)
+
+
+def _newton(step: Step, at: Residuals, data, b, structure, factorize) -> _Trial | None:
+    """The step with all second derivatives; None where it does not lead down."""
+    dx = _solution(factorize, data + curvature(step.graph, structure, at), -b)
+    moved, after = _moved(step.graph, dx)
+    return _Trial(moved, after, dx, 0.0, False) if -b @ dx > 0 and after.chi2 < at.chi2 else None
 
 
 def _corrected(moved: PoseGraph, after: Residuals, dx, believed: float, structure, factorize):

@@ -83,7 +83,7 @@ def _without_objects(log, current, rejected, observation_std, alpha, area) -> Sn
 
 def _same_partition(labels: np.ndarray, other_labels: np.ndarray) -> bool:
     """Whether two labelings group the observations alike, whatever the objects are called."""
-    pairs = np.unique(np.column_stack([labels, other_labels]), axis=0)
+    pairs = np.unique(labels * (other_labels.max(initial=0) + 1) + other_labels)
     return len(pairs) == len(np.unique(labels)) == len(np.unique(other_labels))
 
 

@@ -170,10 +170,11 @@ def _choose(votes: list, objects: list, kernels: list, alpha: float, threshold: 
     best, weight, runner_up = len(votes), 0.0, 0.0
     for i, value in zip(objects, kernels, strict=True):
         rival = votes[i] * value
-        if rival > weight:
-            best, weight, runner_up = i, rival, weight
-        elif rival > runner_up:
-            runner_up = rival
+        if rival > runner_up:
+            if rival > weight:
+                best, weight, runner_up = i, rival, weight
+            else:
+                runner_up = rival
     # Without a threshold it is weight against weight; equal ones open a new object, or the object of lower index.
     value, bar, margin = weight, alpha, 1e-14 * alpha
     if threshold is not None:

@@ -89,15 +89,16 @@ def normal_equations(graph: PoseGraph, structure: BlockStructure, at: Residuals)
     """
     poses, landmarks, between, observations = graph.poses, graph.landmarks, graph.between, graph.observations
     i, j, pose, landmark = between.i, between.j, observations.pose, observations.landmark
+    values = np.empty(len(structure.slots))
+    blocks = structure.blocks(values)
     jacobians = between_jacobians(poses[i], poses[j])
-    blocks, b_i, b_j = _blocks(*jacobians, between.information, at.between)
+    b_i, b_j = _fill(blocks[:3], *jacobians, between.information, at.between)
     jacobians = observation_jacobians(poses[pose], landmarks[landmark])
-    more_blocks, b_pose, b_landmark = _blocks(*jacobians, observations.information, at.observations)
+    b_pose, b_landmark = _fill(blocks[3:], *jacobians, observations.information, at.observations)
 
-    data = structure.gather(np.concatenate([block.ravel() for block in blocks + more_blocks]))
     b_poses = sum(_added_up(k, b, len(poses)) for k, b in ((i, b_i), (j, b_j), (pose, b_pose)))
     b_landmarks = _added_up(landmark, b_landmark, len(landmarks))
-    return data, np.concatenate([b_poses[1:].ravel(), b_landmarks.ravel()])
+    return structure.gather(values), np.concatenate([b_poses[1:].ravel(), b_landmarks.ravel()])
 
 
 def curvature(graph: PoseGraph, structure: BlockStructure, at: Residuals) -> np.ndarray:
@@ -116,38 +117,39 @@ def curvature(graph: PoseGraph, structure: BlockStructure, at: Residuals) -> np.
     sights = landmarks[observations.landmark] - poses[observations.pose, :2]
     pulls = np.einsum("eij,ej->ei", between.information, at.between)[:, :2]
     more_pulls = np.einsum("eij,ej->ei", observations.information, at.observations)
-    blocks = _curved_blocks(poses[between.i, 2], steps, pulls, 3)
-    more_blocks = _curved_blocks(poses[observations.pose, 2], sights, more_pulls, 2)
-    return structure.gather(np.concatenate([block.ravel() for block in blocks + more_blocks]))
+    values = np.zeros(len(structure.slots))
+    blocks = structure.blocks(values)
+    _fill_curvature(blocks[:2], poses[between.i, 2], steps, pulls)
+    _fill_curvature(blocks[3:5], poses[observations.pose, 2], sights, more_pulls)
+    return structure.gather(values)
 
 
-def _curved_blocks(theta: np.ndarray, difference: np.ndarray, pull: np.ndarray, width: int) -> list[np.ndarray]:
-    """Second derivatives of ``f = pull . R(theta)^T (b - a)`` by pose a = (xy, theta) and by b, in blocks aa, ab and bb.
+def _fill_curvature(blocks: list[np.ndarray], theta: np.ndarray, difference: np.ndarray, pull: np.ndarray) -> None:
+    """Write the second derivatives of ``pull . R(theta)^T (b - a)``, by pose a = (xy, theta) and b, into blocks aa, ab.
 
-    ``df/db = R pull``, which turns with theta; whatever depends on b - a alone is linear and does not curve.
+    The derivative by b, ``R pull``, turns with theta; whatever depends on b - a alone is linear and does not curve.
 
     Args:
+        blocks: (3, 3, E) and (3, 2 or 3, E), zero.
         theta: (E,) rad.
         difference: (E, 2) m, b - a in W.
         pull: (E, 2) Omega r, held still.
-        width: unknowns of b, whose first two are x and y.
     """
+    aa, ab = blocks
     cos, sin = np.cos(theta), np.sin(theta)
     gradient = np.stack([cos * pull[:, 0] - sin * pull[:, 1], sin * pull[:, 0] + cos * pull[:, 1]])
     turned = np.stack([-gradient[1], gradient[0]])
-    aa, ab, bb = (np.zeros((*shape, len(theta))) for shape in ((3, 3), (3, width), (width, width)))
     aa[:2, 2] = aa[2, :2] = -turned
     aa[2, 2] = -(gradient * difference.T).sum(axis=0)
     ab[2, :2] = turned
-    return [aa, ab, bb]
 
 
 def _weighted_square(residual: np.ndarray, information: np.ndarray) -> float:
     return float(np.einsum("ei,ei->", residual, np.einsum("eij,ej->ei", information, residual)))
 
 
-def _blocks(jacobian_a, jacobian_b, information, residual):
-    """What factors between variables a and b add: to H the blocks aa, ab and bb, and to b what falls on a and on b.
+def _fill(blocks: list[np.ndarray], jacobian_a, jacobian_b, information, residual) -> tuple[np.ndarray, np.ndarray]:
+    """Write what factors between variables a and b add to H into its blocks aa, ab and bb; return what they add to b.
 
     The factors are moved to the last axis, where one sum over k or l runs through all of them at once: several times
     faster than thousands of products of matrices of three rows.
@@ -156,8 +158,9 @@ def _blocks(jacobian_a, jacobian_b, information, residual):
         np.ascontiguousarray(np.moveaxis(array, 0, -1)) for array in (jacobian_a, jacobian_b, information, residual)
     )
     omega_a, omega_b, omega_r = (np.einsum("kle,l...e->k...e", omega, array) for array in (a, b, r))
-    blocks = [np.einsum("kie,kje->ije", *pair) for pair in ((a, omega_a), (a, omega_b), (b, omega_b))]
-    return blocks, np.einsum("kie,ke->ie", a, omega_r), np.einsum("kie,ke->ie", b, omega_r)
+    for block, pair in zip(blocks, ((a, omega_a), (a, omega_b), (b, omega_b)), strict=True):
+        np.einsum("kie,kje->ije", *pair, out=block)
+    return np.einsum("kie,ke->ie", a, omega_r), np.einsum("kie,ke->ie", b, omega_r)
 
 
 def _added_up(index: np.ndarray, values: np.ndarray, length: int) -> np.ndarray:

@@ -32,6 +32,7 @@ class BlockStructure:
     block_cols: np.ndarray  # (B,)
     indptr: np.ndarray  # (n+1,) where each column of the upper triangle begins
     indices: np.ndarray  # (nnz,) the row of each of its numbers
+    shapes: tuple  # (height, width, B) of every group of blocks that is contributed
     slots: np.ndarray  # (V,) the place in `indices` of every contributed number; nnz = not in the upper triangle
 
     @property
@@ -49,6 +50,11 @@ class BlockStructure:
         """(n,) the unknowns in an order that keeps the factors of the matrix sparse."""
         order = np.argsort(fill_reducing_order(len(self.sizes), self.block_rows, self.block_cols))
         return _runs(_starts(self.sizes)[order], self.sizes[order])
+
+    def blocks(self, values: np.ndarray) -> list[np.ndarray]:
+        """The part of all contributions (V,) that is each group's, as (height, width, B), to be written into."""
+        ends = np.cumsum([np.prod(shape) for shape in self.shapes])
+        return [values[end - np.prod(shape) : end].reshape(shape) for shape, end in zip(self.shapes, ends, strict=True)]
 
     def gather(self, values: np.ndarray) -> np.ndarray:
         """Add up all contributions (V,) that fall on the same entry: the upper triangle's ``data`` (nnz,)."""
@@ -75,8 +81,8 @@ def block_structure(sizes: np.ndarray, groups: list[BlockGroup]) -> BlockStructu
 
     Args:
         sizes: (N,) the number of unknowns of each block variable.
-        groups: what will be added. ``gather`` later takes the blocks' numbers group after group, each as an array
-            (height, width, B), flattened. A square block below the diagonal stands for its mirror image above; every
+        groups: what will be added. ``gather`` later takes the blocks' numbers group after group, where ``blocks`` has
+            put them. A square block below the diagonal stands for its mirror image above; every
             variable needs a block on the diagonal.
     """
     sizes = np.asarray(sizes, dtype=np.int64)
@@ -96,8 +102,10 @@ def block_structure(sizes: np.ndarray, groups: list[BlockGroup]) -> BlockStructu
     # How many numbers stand above each contributed block in its own columns.
     above = height_over_diagonal[high]
     above[apart] = (_starts(heights) - _starts(height_over_diagonal)[block_cols])[which]
+    shapes = tuple((group.height, group.width, len(group.rows)) for group in groups)
     slots, indices = _slots(groups, above, indptr, _starts(sizes))
-    return BlockStructure(sizes, block_rows, block_cols, indptr.astype(np.int32), indices.astype(np.int32), slots)
+    indptr, indices = indptr.astype(np.int32), indices.astype(np.int32)
+    return BlockStructure(sizes, block_rows, block_cols, indptr, indices, shapes, slots)
 
 
 def _slots(groups, above: np.ndarray, indptr: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -30,3 +30,16 @@ def random_graph(seed, num_poses=12, num_landmarks=4, num_loops=3, noise=0.05, s
         BetweenFactors(i, j, relative, random_information(rng, len(i), 3)),
         ObservationFactors(pose, landmark, xy, random_information(rng, len(pose), 2)),
     )
+
+
+def quarrelling_graph(seed, num_poses=40, num_loops=6, quarrel=2.0) -> PoseGraph:
+    """A chain whose steps are good to 0.1 m and whose loop closures, as sure of themselves, are wrong by metres."""
+    rng = np.random.default_rng(seed)
+    poses = np.cumsum(rng.normal(size=(num_poses, 3)) * [1.0, 1.0, 0.5], axis=0)
+    i = np.concatenate([np.arange(num_poses - 1), rng.integers(0, num_poses // 2, num_loops)])
+    j = np.concatenate([np.arange(1, num_poses), rng.integers(num_poses // 2, num_poses, num_loops)])
+    relative = se2.between(poses[i], poses[j]) + 0.1 * rng.normal(size=(len(i), 3))
+    relative[num_poses - 1 :, :2] += quarrel * rng.normal(size=(num_loops, 2))
+    factors = BetweenFactors(i, j, relative, np.tile(100.0 * np.eye(3), (len(i), 1, 1)))
+    nothing = ObservationFactors([], [], np.zeros((0, 2)), np.zeros((0, 2, 2)))
+    return PoseGraph(poses, np.zeros((0, 2)), factors, nothing)

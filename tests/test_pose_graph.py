@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import scipy.optimize
 import scipy.stats
-from graphs import random_graph
+from graphs import quarrelling_graph, random_graph
 
 from npslam_teach import datasets, evaluate, factorize, linearization, np_graph, pose_graph, se2, simulate
 from npslam_teach.data import BetweenFactors, ObservationFactors, PoseGraph
@@ -87,6 +87,38 @@ def test_normal_equations_are_j_transposed_j(seed):
     np.testing.assert_allclose(b, jacobian.T @ r, atol=1e-6)
     assert chi2 == pytest.approx(r @ r, rel=1e-12)
     np.testing.assert_allclose(h.toarray(), h.toarray().T, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_with_the_curvature_h_is_the_slope_of_b(seed):
+    """Gauss-Newton's H is not: it leaves out that the residuals themselves are curved."""
+    graph = random_graph(seed, noise=1.0)
+    structure, at = linearization.graph_structure(graph), linearization.residuals(graph)
+    data, _ = linearization.normal_equations(graph, structure, at)
+    curved = structure.matrix(data + linearization.curvature(graph, structure, at)).toarray()
+    x, step, slope = pack(graph), 1e-5, []
+    for e in np.eye(len(x)):
+        ends = [unpack(graph, x + sign * step * e) for sign in (1, -1)]
+        above, below = (pose_graph.linearize(replace(graph, poses=p, landmarks=m))[1] for p, m in ends)
+        slope.append((above - below) / (2 * step))
+    np.testing.assert_allclose(curved, slope, rtol=1e-6, atol=1e-5)
+    assert np.abs(structure.matrix(data).toarray() - slope).max() > 1.0
+
+
+def test_where_gauss_newton_creeps_newton_arrives(monkeypatch):
+    """Loop closures that contradict the wheels by metres: the residuals stay large, and their curvature counts."""
+    graphs = [quarrelling_graph(seed) for seed in range(8)]
+    quick = [list(pose_graph.gauss_newton(graph))[-1] for graph in graphs]
+    monkeypatch.setattr(pose_graph, "CREEPING", np.inf)
+    plain = [list(pose_graph.gauss_newton(graph))[-1] for graph in graphs]
+    assert sum(step.iteration for step in quick) < 0.5 * sum(step.iteration for step in plain)
+    for graph, ours, creeping in zip(graphs, quick, plain, strict=True):
+        assert ours.converged
+        assert ours.chi2 <= creeping.chi2 * (1 + 1e-9)
+        oracle = scipy.optimize.least_squares(
+            lambda x, graph=graph: whitened_residuals(graph, x), pack(ours.graph), xtol=1e-15, ftol=1e-15, gtol=1e-15
+        )
+        assert ours.chi2 == pytest.approx(2 * oracle.cost, rel=1e-6)
 
 
 def three_pose_graph():

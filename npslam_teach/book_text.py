@@ -106,7 +106,8 @@ class _Renderer(IPythonRenderer):
 
     def block_math(self, body: str) -> str:
         """A formula on a line of its own."""
-        return f'<div class="formula">{mathml(body, "block")}</div>\n'
+        # A long formula scrolls, so the keyboard must be able to come to it.
+        return f'<div class="formula" tabindex="0">{mathml(body, "block")}</div>\n'
 
     def inline_math(self, body: str) -> str:
         """A formula in a sentence."""

@@ -89,7 +89,7 @@ def normal_equations(graph: PoseGraph, structure: BlockStructure, at: Residuals)
     """
     poses, landmarks, between, observations = graph.poses, graph.landmarks, graph.between, graph.observations
     i, j, pose, landmark = between.i, between.j, observations.pose, observations.landmark
-    values = np.empty(len(structure.slots))
+    values = structure.scratch
     blocks = structure.blocks(values)
     jacobians = between_jacobians(poses[i], poses[j])
     b_i, b_j = _fill(blocks[:3], *jacobians, between.information, at.between)
@@ -117,7 +117,8 @@ def curvature(graph: PoseGraph, structure: BlockStructure, at: Residuals) -> np.
     sights = landmarks[observations.landmark] - poses[observations.pose, :2]
     pulls = np.einsum("eij,ej->ei", between.information, at.between)[:, :2]
     more_pulls = np.einsum("eij,ej->ei", observations.information, at.observations)
-    values = np.zeros(len(structure.slots))
+    values = structure.scratch
+    values.fill(0.0)
     blocks = structure.blocks(values)
     _fill_curvature(blocks[:2], poses[between.i, 2], steps, pulls)
     _fill_curvature(blocks[3:5], poses[observations.pose, 2], sights, more_pulls)

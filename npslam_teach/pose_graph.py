@@ -38,7 +38,7 @@ ROUNDING = 1e-13  # the share of chi2 that is lost when it is added up
 MOST_DAMPING = 1e12
 MOST_CORRECTIONS = 3
 BELIEVED = 0.75  # the share of what the linear problem promised that corrections must bring
-CREEPING = 0.05  # a step that still brings this share of what the one before has brought, and little of chi2,
+CREEPING = 0.02  # a step that still brings this share of what the one before has brought, and little of chi2,
 LITTLE = 0.01  # is one of many that will follow
 
 

@@ -51,6 +51,11 @@ class BlockStructure:
         order = np.argsort(fill_reducing_order(len(self.sizes), self.block_rows, self.block_cols))
         return _runs(_starts(self.sizes)[order], self.sizes[order])
 
+    @cached_property
+    def scratch(self) -> np.ndarray:
+        """(V,) room for all contributions, to be overwritten for each matrix: memory that is new has to be fetched."""
+        return np.empty(len(self.slots))
+
     def blocks(self, values: np.ndarray) -> list[np.ndarray]:
         """The part of all contributions (V,) that is each group's, as (height, width, B), to be written into."""
         ends = np.cumsum([np.prod(shape) for shape in self.shapes])

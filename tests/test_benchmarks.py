@@ -20,7 +20,7 @@ def run(*arguments, **settings):
 def results(tmp_path_factory):
     """One small round of everything that is installed."""
     out = tmp_path_factory.mktemp("bench") / "results"
-    done = run("--repeat", "1", "--rooms", "1", "--out", out)
+    done = run("--repeat", "1", "--rooms", "1,2", "--out", out)
     assert done.returncode == 0, done.stderr
     return done, out
 
@@ -56,10 +56,25 @@ def test_it_says_what_was_left_out(results):
 
 def test_association_and_solver_are_timed_within_the_whole(results):
     _, out = results
-    for row in table(out, 9):
-        if row[0] == "1":
-            whole, association, solver = map(float, row[4:7])
-            assert 0 < association < whole and 0 < solver < whole
+    rows = table(out, 11)
+    assert {row[0] for row in rows} == {"1", "2"}
+    for row in rows:
+        whole, association, solver = map(float, row[4:7])
+        assert 0 < association < whole and 0 < solver < whole
+
+
+def test_growth_is_against_the_smaller_house(results):
+    _, out = results
+    seconds, before = {}, {}
+    for rooms, _, _, library, whole, _, _, growth, per_alternation, _, counts in table(out, 11):
+        alternations = counts.count("→")
+        if rooms == "1":
+            assert growth == per_alternation == ""
+            seconds[library], before[library] = float(whole), alternations
+        else:
+            assert float(growth[1:]) == pytest.approx(float(whole) / seconds[library], rel=0.05)
+            expected = float(growth[1:]) * before[library] / alternations
+            assert float(per_alternation[1:]) == pytest.approx(expected, abs=0.1)
 
 
 def test_there_is_a_figure(results):

@@ -42,7 +42,7 @@ def main():
     for part, name in PARTS.items():
         setattr(module, name, timed(getattr(module, name), spent[part]))
     runs = []
-    for _ in range(repeat + (num_rooms < 100)):  # the first pays for imports; over a minute that does not show
+    for _ in range(repeat + 1):  # the first pays for imports and for memory that the process does not have yet
         before = {part: sum(seconds) for part, seconds in spent.items()}
         begin = time.perf_counter()
         snapshots = list(np_graph(log))

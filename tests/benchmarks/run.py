@@ -156,7 +156,7 @@ def main(arguments=None):
             print(report.problem_text([row for row in rows if row["problem"] == name]), flush=True)
     for num_rooms in options.rooms:
         for library in [name.removeprefix("ours-") for name in solvers if name.startswith("ours-")]:
-            runs.append(run_method(num_rooms, 1 if num_rooms >= 100 else options.repeat, library))
+            runs.append(run_method(num_rooms, min(options.repeat, 3) if num_rooms >= 100 else options.repeat, library))
             print(report.method_text(runs[-1]), flush=True)
     options.out.mkdir(parents=True, exist_ok=True)
     with files.atomic_write(options.out / "results.md") as stream:

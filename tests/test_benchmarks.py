@@ -43,7 +43,8 @@ def test_all_that_is_installed_finds_the_same_minimum(results):
     for solver, value in chi2.items():
         # gtsam minimises other residuals, and lands a little beside the minimum of these.
         assert value == pytest.approx(ours, rel=1e-2 if solver == "gtsam" else 1e-6), solver
-    for row in rows:
+    # In a house, information is the same in every direction, so in whichever frame a solver measures an error.
+    for row in (row for row in rows if row[0].startswith("house")):
         assert float(row[8]) == pytest.approx(float(row[7]), rel=1e-2 if row[2] == "gtsam" else 1e-6), row[2]
 
 

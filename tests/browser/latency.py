@@ -10,8 +10,10 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from explorers import Shown, explorers_of, lessons_with_explorers
-from lab_server import (
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # the package, where only the checkout has it
+
+from explorers import Shown, explorers_of, lessons_with_explorers  # noqa: E402
+from lab_server import (  # noqa: E402
     LARGE_WINDOW,
     copy_of_the_course,
     open_notebook,

@@ -38,6 +38,14 @@ def explorers_of(lesson: str) -> list[Explorer]:
     return [each for each in namespace.values() if isinstance(each, Explorer)]
 
 
+def values_of(widget: ipywidgets.Widget) -> list:
+    """All that a slider or a list can be set to, in order."""
+    if isinstance(widget, ipywidgets.Dropdown):
+        return list(dict(widget.options).values())
+    steps = round((widget.max - widget.min) / widget.step)
+    return [round(widget.min + k * widget.step, 9) for k in range(steps + 1)]
+
+
 @dataclass
 class Control:
     """A slider or a list of an explorer in the page."""
@@ -53,10 +61,7 @@ class Control:
 
     def values(self) -> list:
         """All that it can be set to, in order."""
-        if self.is_list:
-            return list(dict(self.twin.options).values())
-        steps = round((self.twin.max - self.twin.min) / self.twin.step)
-        return [round(self.twin.min + k * self.twin.step, 9) for k in range(steps + 1)]
+        return values_of(self.twin)
 
     def index(self) -> int:
         """Which of them the page shows."""

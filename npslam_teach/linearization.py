@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from npslam_teach import se2
 from npslam_teach.data import PoseGraph
 from npslam_teach.residuals import (
     between_jacobians,
@@ -115,8 +116,8 @@ def curvature(graph: PoseGraph, structure: BlockStructure, at: Residuals) -> np.
     poses, landmarks, between, observations = graph.poses, graph.landmarks, graph.between, graph.observations
     steps = poses[between.j, :2] - poses[between.i, :2]
     sights = landmarks[observations.landmark] - poses[observations.pose, :2]
-    pulls = np.einsum("eij,ej->ei", between.information, at.between)[:, :2]
-    more_pulls = np.einsum("eij,ej->ei", observations.information, at.observations)
+    pulls = _weighted(at.between, between.information)[:, :2]
+    more_pulls = _weighted(at.observations, observations.information)
     values = structure.scratch
     values.fill(0.0)
     blocks = structure.blocks(values)
@@ -137,16 +138,20 @@ def _fill_curvature(blocks: list[np.ndarray], theta: np.ndarray, difference: np.
         pull: (E, 2) Omega r, held still.
     """
     aa, ab = blocks
-    cos, sin = np.cos(theta), np.sin(theta)
-    gradient = np.stack([cos * pull[:, 0] - sin * pull[:, 1], sin * pull[:, 0] + cos * pull[:, 1]])
+    gradient = se2.rotate(theta, pull).T
     turned = np.stack([-gradient[1], gradient[0]])
     aa[:2, 2] = aa[2, :2] = -turned
     aa[2, 2] = -(gradient * difference.T).sum(axis=0)
     ab[2, :2] = turned
 
 
+def _weighted(residual: np.ndarray, information: np.ndarray) -> np.ndarray:
+    """``Omega r`` of every factor, (E, d)."""
+    return np.einsum("eij,ej->ei", information, residual)
+
+
 def _weighted_square(residual: np.ndarray, information: np.ndarray) -> float:
-    return float(np.einsum("ei,ei->", residual, np.einsum("eij,ej->ei", information, residual)))
+    return float(np.einsum("ei,ei->", residual, _weighted(residual, information)))
 
 
 def _fill(blocks: list[np.ndarray], jacobian_a, jacobian_b, information, residual) -> tuple[np.ndarray, np.ndarray]:

@@ -44,13 +44,13 @@ LITTLE = 0.01  # is one of many that will follow
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """One Gauss-Newton iteration; iteration 0 is the graph as it was given."""
+    """One iteration of ``gauss_newton``; iteration 0 is the graph as it was given."""
 
     iteration: int
     graph: PoseGraph  # after the step
     chi2: float  # after the step
     dx: np.ndarray  # (n,) the step itself: poses 1.., then landmarks
-    damping: float  # 0 for a pure Gauss-Newton step
+    damping: float  # 0 for a pure Gauss-Newton step, and for Newton's
     converged: bool
     status: str  # "running", "converged", or why the iteration stopped without
 
@@ -79,10 +79,7 @@ def gauss_newton(
     Raises:
         numpy.linalg.LinAlgError: when a pose or landmark is not determined by the factors; it is named.
     """
-    if max_iterations < 1:
-        raise ValueError(f"max_iterations: expected a positive number, got {max_iterations}")
-    if not 0 <= tolerance < 1:
-        raise ValueError(f"tolerance: expected a share from 0 to 1, got {tolerance}")
+    _require_settings(tolerance, max_iterations)
     require_touched(graph)
     # A heading of many turns would swallow small steps in rounding.
     graph = replace(graph, poses=np.column_stack([graph.poses[:, :2], se2.wrap(graph.poses[:, 2])]))
@@ -202,6 +199,13 @@ def _damped(data: np.ndarray, diagonal: np.ndarray, damping: float) -> np.ndarra
     damped = data.copy()
     damped[diagonal] *= 1 + damping
     return damped
+
+
+def _require_settings(tolerance: float, max_iterations: int) -> None:
+    if max_iterations < 1:
+        raise ValueError(f"max_iterations: expected a positive number, got {max_iterations}")
+    if not 0 <= tolerance < 1:
+        raise ValueError(f"tolerance: expected a share from 0 to 1, got {tolerance}")
 
 
 def _status(step: Step, before: float, trial: _Trial, negligible: float, max_iterations: int) -> str:

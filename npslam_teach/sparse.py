@@ -32,7 +32,7 @@ class BlockStructure:
     block_cols: np.ndarray  # (B,)
     indptr: np.ndarray  # (n+1,) where each column of the upper triangle begins
     indices: np.ndarray  # (nnz,) the row of each of its numbers
-    shapes: tuple  # (height, width, B) of every group of blocks that is contributed
+    shapes: tuple[tuple[int, int, int], ...]  # (height, width, B) of every group of blocks that is contributed
     slots: np.ndarray  # (V,) the place in `indices` of every contributed number; nnz = not in the upper triangle
 
     @property

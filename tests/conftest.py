@@ -3,8 +3,11 @@
 import os
 from pathlib import Path
 
+import nbformat
 import numpy as np
 import pytest
+
+from npslam_teach import cli
 
 ORIGINALS = (
     "mu2016_simulation.mat",
@@ -43,6 +46,25 @@ def mu2016_path(data_folder) -> Path:
 def stata_path(data_folder) -> Path:
     """The paper's office experiment."""
     return data_folder / "mu2016_stata_office.mat"
+
+
+@pytest.fixture
+def notebook(path):
+    """The notebook at ``path``, which each file of tests has a fixture for."""
+    return nbformat.read(path, as_version=4)
+
+
+@pytest.fixture
+def refused(capsys):
+    """A function that runs a command, sees that it is refused in a single line, and returns the line."""
+
+    def refuse(*arguments) -> str:
+        assert cli.main([str(argument) for argument in arguments]) == 2
+        out, err = capsys.readouterr()
+        assert out == "" and err.count("\n") == 1
+        return err
+
+    return refuse
 
 
 @pytest.fixture(scope="session")

@@ -247,23 +247,16 @@ def test_a_folder_without_lessons_is_named(tmp_path):
         book.book_html(tmp_path)
 
 
-def refused(capsys, *arguments):
-    assert cli.main(["book", *map(str, arguments)]) == 2
-    out, err = capsys.readouterr()
-    assert out == "" and err.count("\n") == 1
-    return err
-
-
 def test_the_command_writes_the_file(tmp_path, source, capsys):
     assert cli.main(["book", "--out", str(tmp_path / "book.html")]) == 0
     assert (tmp_path / "book.html").read_text(encoding="utf-8") == source
     assert [path.name for path in tmp_path.iterdir()] == ["book.html"]
 
 
-def test_the_command_refuses_in_one_sentence(tmp_path, capsys):
-    assert ".html or .pdf, got '.docx'" in refused(capsys, "--out", tmp_path / "book.docx")
-    assert "expected a folder" in refused(capsys, "--out", tmp_path / "no" / "book.html")
-    assert "found none" in refused(capsys, "--out", tmp_path / "book.pdf", "--browser", "no-such-browser")
+def test_the_command_refuses_in_one_sentence(tmp_path, refused):
+    assert ".html or .pdf, got '.docx'" in refused("book", "--out", tmp_path / "book.docx")
+    assert "expected a folder" in refused("book", "--out", tmp_path / "no" / "book.html")
+    assert "found none" in refused("book", "--out", tmp_path / "book.pdf", "--browser", "no-such-browser")
     assert list(tmp_path.iterdir()) == []
 
 

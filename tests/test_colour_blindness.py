@@ -18,6 +18,7 @@ colorspacious = pytest.importorskip(
     "colorspacious", reason="colorspacious is not installed: pip install -r tests/requirements.txt"
 )
 
+NOTICED = 3.0
 PLAIN = 8.0
 CLEAR = 15.0
 DEFICIENCIES = ("none", "deuteranomaly", "protanomaly", "tritanomaly")
@@ -66,6 +67,4 @@ def test_what_colour_does_not_tell_apart_a_marker_does(deficiency):
     if deficiency == "grey":
         places = places * [1, 0, 0]
     for (a, (_, marker)), (b, (_, other)) in itertools.combinations(zip(places, looks, strict=True), 2):
-        assert marker != other or np.linalg.norm(a - b) > 0
-    first_eight = {marker for _, marker in looks[:8]}
-    assert len(first_eight) == 8
+        assert marker != other or np.linalg.norm(a - b) > NOTICED

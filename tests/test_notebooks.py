@@ -23,11 +23,6 @@ def path(request):
     return request.param
 
 
-@pytest.fixture
-def notebook(path):
-    return nbformat.read(path, as_version=4)
-
-
 @pytest.fixture(params=NOTEBOOKS + SOLUTIONS, ids=lambda path: path.stem)
 def any_path(request):
     return request.param

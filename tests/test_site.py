@@ -247,31 +247,24 @@ def test_a_site_that_cannot_be_put_in_place_gives_the_old_one_back(quick, tmp_pa
     assert (out / lite_site.MARKER).is_file() and list(tmp_path.iterdir()) == [out]
 
 
-def refused(capsys, *arguments):
-    assert cli.main(["site", *map(str, arguments)]) == 2
-    out, err = capsys.readouterr()
-    assert out == "" and err.count("\n") == 1
-    return err
-
-
-def test_other_peoples_files_are_not_touched(quick, tmp_path, capsys):
+def test_other_peoples_files_are_not_touched(quick, tmp_path, refused):
     (tmp_path / "thesis.txt").write_text("years of work", encoding="utf-8")
-    assert "expected no folder, an empty one or an earlier site" in refused(capsys, "--out", tmp_path)
-    assert "got that of a file" in refused(capsys, "--out", tmp_path / "thesis.txt")
-    assert "found no folder" in refused(capsys, "--out", tmp_path / "no" / "course")
-    assert "found no pyodide.mjs" in refused(capsys, "--out", tmp_path / "course", "--pyodide", tmp_path)
+    assert "expected no folder, an empty one or an earlier site" in refused("site", "--out", tmp_path)
+    assert "got that of a file" in refused("site", "--out", tmp_path / "thesis.txt")
+    assert "found no folder" in refused("site", "--out", tmp_path / "no" / "course")
+    assert "found no pyodide.mjs" in refused("site", "--out", tmp_path / "course", "--pyodide", tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
 
 
 @pytest.mark.parametrize(("found", "said"), [(None, "nothing of that name"), ("0.1.0", "0.1.0")])
-def test_a_missing_package_is_named_with_the_remedy(tmp_path, monkeypatch, capsys, found, said):
+def test_a_missing_package_is_named_with_the_remedy(tmp_path, monkeypatch, refused, found, said):
     def version(name):
         if found is None:
             raise metadata.PackageNotFoundError(name)
         return found
 
     monkeypatch.setattr(metadata, "version", version)
-    sentence = refused(capsys, "--out", tmp_path / "course")
+    sentence = refused("site", "--out", tmp_path / "course")
     assert f"a site needs jupyterlite-core==0.8.6, got {said}: run " in sentence
     assert '-m pip install "jupyterlite-core==0.8.6" "jupyterlite-pyodide-kernel==' in sentence
 

@@ -15,8 +15,10 @@ def solve(problem, tolerance):
     optimizer.add_post_iteration_action(stop)
     num_poses, num_landmarks = len(problem["poses"]), len(problem["landmarks"])
     _add_vertices(optimizer, problem)
-    _add_poses(optimizer, problem)
-    _add_landmarks(optimizer, problem)
+    measured = [g2o.SE2(pose) for pose in problem["relative_pose"]]
+    _add_edges(optimizer, g2o.EdgeSE2, problem["i"], problem["j"], measured, problem["pose_information_at_j"])
+    keys = num_poses + problem["landmark"]
+    _add_edges(optimizer, g2o.EdgeSE2PointXY, problem["pose"], keys, problem["xy"], problem["point_information"])
     optimizer.initialize_optimization()
     iterations = optimizer.optimize(100)
     poses = np.array([optimizer.vertex(k).estimate().to_vector() for k in range(num_poses)])
@@ -43,23 +45,11 @@ def _add_vertices(optimizer, problem):
         optimizer.add_vertex(vertex)
 
 
-def _add_poses(optimizer, problem):
-    columns = (problem[name] for name in ("i", "j", "relative_pose", "pose_information_at_j"))
-    for i, j, pose, information in zip(*columns, strict=True):
-        edge = g2o.EdgeSE2()
-        edge.set_vertex(0, optimizer.vertex(int(i)))
-        edge.set_vertex(1, optimizer.vertex(int(j)))
-        edge.set_measurement(g2o.SE2(pose))
-        edge.set_information(information)
-        optimizer.add_edge(edge)
-
-
-def _add_landmarks(optimizer, problem):
-    columns = (problem[name] for name in ("pose", "landmark", "xy", "point_information"))
-    for pose, landmark, xy, information in zip(*columns, strict=True):
-        edge = g2o.EdgeSE2PointXY()
-        edge.set_vertex(0, optimizer.vertex(int(pose)))
-        edge.set_vertex(1, optimizer.vertex(len(problem["poses"]) + int(landmark)))
-        edge.set_measurement(xy)
-        edge.set_information(information)
+def _add_edges(optimizer, kind, ends, other_ends, measurements, information):
+    for end, other_end, measurement, omega in zip(ends, other_ends, measurements, information, strict=True):
+        edge = kind()
+        edge.set_vertex(0, optimizer.vertex(int(end)))
+        edge.set_vertex(1, optimizer.vertex(int(other_end)))
+        edge.set_measurement(measurement)
+        edge.set_information(omega)
         optimizer.add_edge(edge)

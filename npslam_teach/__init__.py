@@ -6,54 +6,27 @@ Names are loaded on first use, so that ``import npslam_teach`` costs next to not
 
     log, truth = nt.fifteen_objects(seed=0)
     *_, last = nt.np_graph(log)
-    print(nt.evaluate.evaluate(last, truth, log))
+    print(nt.evaluate(last, truth, log))
 """
 
 import importlib
 
 __version__ = "0.1.0"
 
-_HOME_OF = {
-    "World": "data",
-    "SensorModel": "data",
-    "RobotLog": "data",
-    "GroundTruth": "data",
-    "BetweenFactors": "data",
-    "ObservationFactors": "data",
-    "PoseGraph": "data",
-    "Snapshot": "data",
-    "simulate_run": "simulate",
-    "fifteen_objects": "simulate",
-    "toy_objects": "simulate",
-    "office": "simulate",
-    "add_noise": "simulate",
-    "load_log": "datasets",
-    "save_log": "datasets",
-    "load_mu2016_simulation": "datasets",
-    "fetch_mu2016_simulation": "datasets",
-    "load_stata_office": "datasets",
-    "fetch_stata_office": "datasets",
-    "load_g2o": "datasets",
-    "save_g2o": "datasets",
-    "dead_reckoning": "se2",
-    "linearize": "linearization",
-    "gauss_newton": "pose_graph",
-    "optimize": "pose_graph",
-    "chordal_start": "chordal",
-    "marginal_covariance": "covariance",
-    "IncrementalSolver": "incremental",
-    "association_probabilities": "associate",
-    "decide": "associate",
-    "sweep": "associate",
-    "np_graph": "methods",
-    "frame_by_frame": "methods",
-    "open_loop": "methods",
-    "robust_slam": "methods",
-    "ekf_slam": "methods",
+_PUBLIC_NAMES = {
+    "types": "World SensorModel RobotLog GroundTruth BetweenFactors ObservationFactors PoseGraph Snapshot",
+    "simulate": "simulate_run fifteen_objects toy_objects office add_noise",
+    "datasets": "load_log save_log load_mu2016_simulation fetch_mu2016_simulation load_stata_office "
+    "fetch_stata_office load_g2o save_g2o",
+    "se2": "dead_reckoning",
+    "pose_graph": "linearize gauss_newton optimize chordal_start marginal_covariance IncrementalSolver",
+    "association": "association_probabilities decide sweep",
+    "methods": "np_graph frame_by_frame open_loop robust_slam ekf_slam",
+    "evaluation": "evaluate",
 }
-_MODULES = (
-    "associate centroids checks chordal covariance data datasets dirichlet drawing evaluate factorize figures "
-    "incremental linearization methods plotting pose_graph residuals se2 simulate sparse widgets without_truth"
+_HOME_OF = {name: home for home, names in _PUBLIC_NAMES.items() for name in names.split()}
+_FOLDERS_AND_MODULES = (
+    "association camera course datasets evaluation experiments methods plotting pose_graph se2 simulate types"
 ).split()
 
 __all__ = sorted(_HOME_OF)
@@ -64,10 +37,10 @@ def __getattr__(name):
         value = getattr(importlib.import_module("." + _HOME_OF[name], __name__), name)
         globals()[name] = value
         return value
-    if name in _MODULES:
+    if name in _FOLDERS_AND_MODULES:
         return importlib.import_module("." + name, __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__():
-    return sorted(set(globals()) | set(_HOME_OF) | set(_MODULES))
+    return sorted(set(globals()) | set(_HOME_OF) | set(_FOLDERS_AND_MODULES))

@@ -2,23 +2,23 @@
 
 import sys
 
-from npslam_teach import interruption
+from npslam_teach.system import interruption
 
 
 def run() -> int:
     """Run the command of this process; returns its exit code."""
     interruption.end_at_once()
     try:
-        from npslam_teach._environment import enter_environment
+        from npslam_teach.system.environment import enter_environment
 
-        with interruption.unwinding():  # a set-up under way explains itself
+        with interruption.critical_section():  # a set-up under way explains itself
             enter_environment(sys.argv[1:])
 
-        from npslam_teach.cli import main
+        from npslam_teach.cli.parser import main
 
         return main(sys.argv[1:])
     except KeyboardInterrupt:
-        interruption.say()
+        interruption.print_interrupted()
         return interruption.EXIT_CODE
     finally:
         interruption.ignore()

@@ -66,7 +66,7 @@ def between(pose_ab: np.ndarray, pose_ac: np.ndarray) -> np.ndarray:
     return compose(inverse(pose_ab), pose_ac)
 
 
-def transform_to(pose_ab: np.ndarray, xy_b: np.ndarray) -> np.ndarray:
+def apply(pose_ab: np.ndarray, xy_b: np.ndarray) -> np.ndarray:
     """Carry points from B into A: ``R(theta) xy_b + [x, y]``.
 
     Args:
@@ -77,7 +77,7 @@ def transform_to(pose_ab: np.ndarray, xy_b: np.ndarray) -> np.ndarray:
     return pose_ab[..., :2] + rotate(pose_ab[..., 2], xy_b)
 
 
-def transform_from(pose_ab: np.ndarray, xy_a: np.ndarray) -> np.ndarray:
+def apply_inverse(pose_ab: np.ndarray, xy_a: np.ndarray) -> np.ndarray:
     """Carry points from A into B: ``R(theta)^T (xy_a - [x, y])``. This is what a camera in B measures.
 
     Args:
@@ -118,7 +118,7 @@ def align(xy: np.ndarray, reference_xy: np.ndarray) -> np.ndarray:
         reference_xy: (N, 2) m, row for row the same points.
 
     Returns:
-        (3,) pose p such that ``transform_to(p, xy)`` is nearest to ``reference_xy``.
+        (3,) pose p such that ``apply(p, xy)`` is nearest to ``reference_xy``.
     """
     xy, reference_xy = np.asarray(xy, dtype=float), np.asarray(reference_xy, dtype=float)
     mean, reference_mean = xy.mean(axis=0), reference_xy.mean(axis=0)

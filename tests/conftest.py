@@ -7,7 +7,7 @@ import nbformat
 import numpy as np
 import pytest
 
-from npslam_teach import cli
+from npslam_teach.cli import parser
 
 ORIGINALS = (
     "mu2016_simulation.mat",
@@ -59,7 +59,7 @@ def refused(capsys):
     """A function that runs a command, sees that it is refused in a single line, and returns the line."""
 
     def refuse(*arguments) -> str:
-        assert cli.main([str(argument) for argument in arguments]) == 2
+        assert parser.main([str(argument) for argument in arguments]) == 2
         out, err = capsys.readouterr()
         assert out == "" and err.count("\n") == 1
         return err

@@ -16,9 +16,9 @@ from graphs import random_graph
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from npslam_teach import datasets, evaluate, pose_graph, se2, simulate
-from npslam_teach.data import BetweenFactors, ObservationFactors, PoseGraph, RobotLog, SensorModel, World
+from npslam_teach import datasets, evaluation, pose_graph, se2, simulate
 from npslam_teach.methods import METHODS
+from npslam_teach.types import BetweenFactors, ObservationFactors, PoseGraph, RobotLog, SensorModel, World
 
 EXAMPLES = int(os.environ.get("NPSLAM_TEACH_EXAMPLES", "0"))
 tried = settings(
@@ -102,9 +102,9 @@ def test_rigid_motions_are_a_group(a, b, c):
 @given(poses, poses, st.tuples(metres, metres).map(np.array))
 def test_motions_of_points_follow_motions_of_frames(a, b, xy):
     scale = 10 * np.abs([*a, *b, *xy]).max()
-    composed, in_turn = se2.transform_to(se2.compose(a, b), xy), se2.transform_to(a, se2.transform_to(b, xy))
+    composed, in_turn = se2.apply(se2.compose(a, b), xy), se2.apply(a, se2.apply(b, xy))
     np.testing.assert_allclose(composed, in_turn, rtol=0, atol=1e-13 * scale + 1e-13)
-    np.testing.assert_allclose(se2.transform_from(a, se2.transform_to(a, xy)), xy, rtol=0, atol=1e-13 * scale + 1e-13)
+    np.testing.assert_allclose(se2.apply_inverse(a, se2.apply(a, xy)), xy, rtol=0, atol=1e-13 * scale + 1e-13)
 
 
 @tried
@@ -131,7 +131,8 @@ def results(method, log):
 def test_every_method_gives_finite_numbers_and_keeps_its_books(method, run):
     log, _ = run
     for snapshot in results(method, log):
-        assert np.isfinite([snapshot.chi2, snapshot.objective]).all()
+        assert np.isfinite(snapshot.chi2)
+        assert np.isfinite(snapshot.objective) if METHODS[method].has_objective else snapshot.objective is None
         assert np.isfinite(snapshot.graph.poses).all() and np.isfinite(snapshot.graph.landmarks).all()
         assert snapshot.graph.poses.shape == (log.num_poses, 3)
         assert snapshot.labels.shape == (log.num_observations,)
@@ -173,7 +174,7 @@ def test_what_true_objects_are_called_does_not_matter(run, seed):
     *_, last = results("np-graph", log)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "the solver stopped", UserWarning)
-        metrics, others = (evaluate.evaluate(last, each, log).as_dict() for each in (truth, renamed))
+        metrics, others = (evaluation.evaluate(last, each, log).as_dict() for each in (truth, renamed))
     assert metrics == pytest.approx(others, rel=1e-9, nan_ok=True)
 
 
@@ -245,7 +246,7 @@ def solved(graph, tolerance=1e-13):
 @tried
 @given(graphs(), poses)
 def test_a_rigid_motion_of_the_start_changes_no_chi2(graph, motion):
-    moved = replace(graph, poses=se2.compose(motion, graph.poses), landmarks=se2.transform_to(motion, graph.landmarks))
+    moved = replace(graph, poses=se2.compose(motion, graph.poses), landmarks=se2.apply(motion, graph.landmarks))
     blur = 1e-9 * np.abs(motion).max()  # far from the origin differences of coordinates lose digits
     assert pose_graph.chi2(moved) == pytest.approx(pose_graph.chi2(graph), rel=1e-9 + blur, abs=1e-12 + blur)
     assert solved(moved).chi2 == pytest.approx(solved(graph).chi2, rel=1e-8 + blur, abs=1e-12 + blur)
@@ -362,7 +363,7 @@ def test_the_number_of_threads_does_not_matter():
     answers = []
     for threads in ("1", "2"):
         environment = os.environ | {f"{name}_NUM_THREADS": threads for name in ("OMP", "OPENBLAS", "MKL")}
-        code = THREADS.format(tests=os.path.dirname(__file__))
+        code = THREADS.format(tests=os.path.join(os.path.dirname(__file__), "helpers"))
         done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
         answers.append(json.loads(done.stdout))
     one, two = answers

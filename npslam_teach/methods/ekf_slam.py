@@ -11,23 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from npslam_teach import se2
-from npslam_teach.associate import PAPER_ALPHA, Association
-from npslam_teach.data import PoseGraph, RobotLog, Snapshot
-from npslam_teach.methods.common import (
-    mean_landmarks,
-    observation_factors,
-    odometry_factors,
-    reassociated,
-    snapshot,
-    start,
-)
-from npslam_teach.methods.ekf_filter import new_filter, predict, squared_distances, update, with_new_object
-from npslam_teach.pose_graph import optimize
+from npslam_teach.methods.ekf import new_filter, predict, squared_distances, update, with_new_object
+from npslam_teach.methods.snapshots import initial_snapshot, snapshot
+from npslam_teach.pose_graph import observation_factors, odometry_factors
+from npslam_teach.types import PoseGraph, RobotLog, Snapshot
 from npslam_teach.validation import checked_array
 
 GATE, NEW_GATE = 0.99, 0.999999  # shares of right matches that a consistent filter lets through
-LEFT_OUT, NEW = -1, -2  # what a sighting can be, besides one of a known object
+UNASSIGNED, NEW = -1, -2  # what a sighting can be, besides one of a known object
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +31,7 @@ class FilterStep:
     prior_cov: np.ndarray  # (3 + 2K, 3 + 2K)
     object_class: np.ndarray  # (K,) of the objects known before
     squared_distance: np.ndarray  # (m, K) Mahalanobis, squared; infinite where the class rules it out
-    decision: np.ndarray  # (m,) the object, LEFT_OUT or NEW
+    decision: np.ndarray  # (m,) the object, UNASSIGNED or NEW
     labels: np.ndarray  # (m,) the same with the new objects numbered
     nis: float  # y^T S^-1 y of all matches together; NaN without any
     mean: np.ndarray  # (n,) after the sightings, new objects included
@@ -81,34 +72,14 @@ def ekf_slam(
     Yields:
         the frame-by-frame start, and the result: every pose as it was filtered at its own time, the objects as they are
         at the end. Sightings that were left out have label -1. Its chi2 is large, because such a path jumps wherever
-        the filter corrected itself; ``solve_with_labels`` smooths it.
+        the filter corrected itself; ``pose_graph.fit`` with its labels smooths it.
     """
     odometry_std, observation_std = _noise(log, odometry_std, observation_std)
     squared_gates(gate, new_gate)
-    yield start(log, odometry_std, observation_std)
+    yield initial_snapshot(log, odometry_std, observation_std)
     record = run_filter(log, gate, new_gate, odometry_std=odometry_std, observation_std=observation_std)
     factors = odometry_factors(log, odometry_std), observation_factors(log, record.labels, observation_std)
-    yield snapshot(log, 1, record.labels, PoseGraph(record.poses, record.landmarks, *factors), PAPER_ALPHA)
-
-
-def solve_with_labels(
-    log: RobotLog, labels: np.ndarray, poses: np.ndarray, *, odometry_std=None, observation_std=None
-) -> Snapshot:
-    """The pose graph with associations from elsewhere, a filter's for example: all poses at once, none too late.
-
-    Args:
-        log: what the robot measured.
-        labels: (M,) the object, from 0 without gaps; -1 leaves a sighting out.
-        poses: (T, 3) W, from which the solver sets out.
-        odometry_std: (3,) m, m, rad; None: what the log says.
-        observation_std: (2,) m; None: what the log says.
-    """
-    odometry_std, observation_std = _noise(log, odometry_std, observation_std)
-    graph = start(log, odometry_std, observation_std).graph
-    landmarks = mean_landmarks(labels, se2.transform_to(poses[log.obs_time], log.obs_xy))
-    graph = PoseGraph(poses, graph.landmarks, graph.between, graph.observations)
-    graph = optimize(reassociated(log, graph, Association(labels, landmarks), observation_std))
-    return snapshot(log, 2, labels, graph, PAPER_ALPHA)
+    yield snapshot(log, 1, record.labels, PoseGraph(record.poses, record.landmarks, *factors))
 
 
 def run_filter(log: RobotLog, gate: float = GATE, new_gate: float = NEW_GATE, **settings) -> FilterRecord:
@@ -116,7 +87,7 @@ def run_filter(log: RobotLog, gate: float = GATE, new_gate: float = NEW_GATE, **
 
     Args: as in ``filter_steps``.
     """
-    labels, distance = np.full(log.num_observations, LEFT_OUT), np.full(log.num_observations, np.nan)
+    labels, distance = np.full(log.num_observations, UNASSIGNED), np.full(log.num_observations, np.nan)
     poses, pose_cov = np.empty((log.num_poses, 3)), np.empty((log.num_poses, 3, 3))
     nis, nis_dof = np.full(log.num_poses, np.nan), np.zeros(log.num_poses, dtype=int)
     for step in filter_steps(log, gate, new_gate, **settings):
@@ -184,7 +155,7 @@ def assign(squared_distance: np.ndarray, gate: float, new_gate: float) -> np.nda
         new_gate: as a squared distance; a sighting beyond it from every object is new.
 
     Returns:
-        (m,) the object, LEFT_OUT or NEW.
+        (m,) the object, UNASSIGNED or NEW.
     """
     from scipy.optimize import linear_sum_assignment
 
@@ -194,7 +165,7 @@ def assign(squared_distance: np.ndarray, gate: float, new_gate: float) -> np.nda
     chosen = linear_sum_assignment(cost)[1]
     inside = cost[np.arange(num_sightings), chosen] < gate
     far = (squared_distance > new_gate).all(axis=1)
-    return np.where(inside, chosen, np.where(far, NEW, LEFT_OUT))
+    return np.where(inside, chosen, np.where(far, NEW, UNASSIGNED))
 
 
 def squared_gates(gate: float, new_gate: float) -> tuple[float, float]:
@@ -248,6 +219,6 @@ def _in_order_of_sight(labels: np.ndarray, frames: list[np.ndarray]) -> np.ndarr
         if len(np.unique(used)) < len(used):
             raise ValueError(f"labels: expected every object at most once in a frame, got one twice at pose {time}")
     names, first = np.unique(labels[in_time], return_index=True)
-    number = np.full(len(names), LEFT_OUT)
+    number = np.full(len(names), UNASSIGNED)
     number[names >= 0] = np.argsort(np.argsort(first[names >= 0]))
     return number[np.searchsorted(names, labels)]

@@ -5,8 +5,8 @@ It is the start of every other method, and their yardstick: as many objects as o
 
 from collections.abc import Iterator
 
-from npslam_teach.data import RobotLog, Snapshot
-from npslam_teach.methods.common import PAPER_OBSERVATION_STD, PAPER_ODOMETRY_STD, start
+from npslam_teach.methods.snapshots import PAPER_OBSERVATION_STD, PAPER_ODOMETRY_STD, initial_snapshot
+from npslam_teach.types import RobotLog, Snapshot
 
 
 def frame_by_frame(
@@ -19,4 +19,4 @@ def frame_by_frame(
         odometry_std: (3,) m, m, rad: standard deviations that chi2 is measured with.
         observation_std: (2,) m.
     """
-    yield start(log, odometry_std, observation_std)
+    yield initial_snapshot(log, odometry_std, observation_std)

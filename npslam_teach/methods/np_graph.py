@@ -8,17 +8,19 @@ from collections.abc import Iterator
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.associate import PAPER_ALPHA, PAPER_KERNEL_STD, require_rule, sweep, without_empty_objects
-from npslam_teach.data import RobotLog, Snapshot
-from npslam_teach.dirichlet import false_positives
-from npslam_teach.methods.common import (
-    PAPER_OBSERVATION_STD,
-    PAPER_ODOMETRY_STD,
-    reassociated,
-    snapshot,
-    start,
+from npslam_teach.association import (
+    PAPER_ALPHA,
+    PAPER_KERNEL_STD,
+    false_positives,
+    require_rule,
+    sweep,
+    without_empty_objects,
 )
-from npslam_teach.pose_graph import optimize
+from npslam_teach.methods.snapshots import PAPER_OBSERVATION_STD, PAPER_ODOMETRY_STD, initial_snapshot, snapshot
+from npslam_teach.pose_graph import optimize, with_associations
+from npslam_teach.types import PoseGraph, RobotLog, Snapshot
+
+CONSISTENT_STD = (PAPER_KERNEL_STD, PAPER_KERNEL_STD)  # m, of the solver, with which both halves lower one number
 
 
 def np_graph(
@@ -42,12 +44,12 @@ def np_graph(
         threshold: None: the most probable object wins (the authors' rule). A number: the deck's threshold.
         iterations: at most so many alternations; fewer when no label changes any more.
         kernel_std: m, the width of the association kernel.
-        order: of the visits in a sweep, see ``associate.sweep``.
+        order: of the visits in a sweep, see ``association.sweep``.
         odometry_std: (3,) m, m, rad: what the solver assumes per step.
         observation_std: (2,) m: what the solver assumes per observation.
         area: m^2, for the objective only.
         false_positive_threshold: epsilon; 0.5, the authors' simulation, keeps every object (see
-            ``dirichlet.false_positives``).
+            ``association.false_positives``).
 
     Yields:
         the frame-by-frame start, then one snapshot per alternation, and one more if false positives were removed (its
@@ -55,29 +57,82 @@ def np_graph(
     """
     require_rule(alpha, threshold, kernel_std)
     _require_settings(iterations, area, false_positive_threshold)
-    current = start(log, odometry_std, observation_std, alpha, area)
+    current = initial_snapshot(log, odometry_std, observation_std, alpha, area)
     yield current
     for iteration in range(1, int(iterations) + 1):
         # Half a step: who is who, the trajectory and the map held still.
-        labels, landmarks = current.labels, current.graph.landmarks
-        obs_xy_world = se2.transform_to(current.graph.poses[log.obs_time], log.obs_xy)
-        association = sweep(labels, landmarks, obs_xy_world, log.obs_class, alpha, threshold, kernel_std, order)
+        labels, graph = associate_anew(log, current, alpha, threshold, kernel_std, order, observation_std)
         # The other half: where everything is, the associations held still.
-        graph = optimize(reassociated(log, current.graph, association, observation_std))
-        current = snapshot(log, iteration, association.labels, graph, alpha, area)
+        same = _same_partition(current.labels, labels)
+        current = snapshot(log, iteration, labels, optimize(graph), alpha, area)
         yield current
-        if _same_partition(labels, association.labels):
+        if same:
             break
     rejected = false_positives(current.votes, false_positive_threshold)
     if rejected.any():
         yield _without_objects(log, current, rejected, observation_std, alpha, area)
 
 
+def associate_anew(
+    log: RobotLog,
+    current: Snapshot,
+    alpha: float = PAPER_ALPHA,
+    threshold: float | None = None,
+    kernel_std: float = PAPER_KERNEL_STD,
+    order: str | np.ndarray = "last-to-first",
+    observation_std=PAPER_OBSERVATION_STD,
+) -> tuple[np.ndarray, PoseGraph]:
+    """The first half of an alternation: one sweep, the trajectory and the map held still.
+
+    Args: as in ``np_graph``, and the snapshot to start from.
+
+    Returns:
+        (M,) labels, and the graph tied to them that the second half is to solve.
+    """
+    obs_xy_world = se2.apply(current.graph.poses[log.obs_time], log.obs_xy)
+    landmarks = current.graph.landmarks
+    found = sweep(current.labels, landmarks, obs_xy_world, log.obs_class, alpha, threshold, kernel_std, order)
+    return found.labels, with_associations(log, current.graph, found.labels, found.landmarks, observation_std)
+
+
+def half_steps(
+    log: RobotLog,
+    alpha: float = PAPER_ALPHA,
+    observation_std=CONSISTENT_STD,
+    rounds: int = 10,
+    odometry_std=PAPER_ODOMETRY_STD,
+) -> list[Snapshot]:
+    """The alternation as a descent (lesson 06): the start, then two snapshots a round, after sweep and after solver.
+
+    Both halves lower one number, ``association.objective``, as long as the solver assumes of an observation what the
+    kernel of the sweep assumes; ``observation_std`` is by default that.
+
+    Args:
+        log: what the robot measured.
+        alpha: concentration.
+        observation_std: (2,) m, what the solver assumes per observation.
+        rounds: at most so many; fewer when no label changes any more.
+        odometry_std: (3,) m, m, rad, and per step.
+
+    Returns:
+        1 + 2 * rounds snapshots or fewer; their iterations count half-steps.
+    """
+    snapshots = [initial_snapshot(log, odometry_std, observation_std, alpha)]
+    for half_step in range(1, 2 * rounds + 1, 2):
+        before = snapshots[-1]
+        labels, graph = associate_anew(log, before, alpha, observation_std=observation_std)
+        snapshots.append(snapshot(log, half_step, labels, graph, alpha))
+        snapshots.append(snapshot(log, half_step + 1, labels, optimize(graph), alpha))
+        if np.array_equal(before.labels, labels):
+            break
+    return snapshots
+
+
 def _without_objects(log, current, rejected, observation_std, alpha, area) -> Snapshot:
     """Take away rejected objects (K,) bool with their observations, and solve once more."""
     labels = np.where(rejected[current.labels], -1, current.labels)
     kept = without_empty_objects(labels, current.graph.landmarks)
-    graph = optimize(reassociated(log, current.graph, kept, observation_std))
+    graph = optimize(with_associations(log, current.graph, kept.labels, kept.landmarks, observation_std))
     return snapshot(log, current.iteration + 1, kept.labels, graph, alpha, area)
 
 

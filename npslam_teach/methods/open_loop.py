@@ -9,16 +9,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.associate import PAPER_ALPHA, PAPER_KERNEL_STD, Association, association_weights, require_rule
-from npslam_teach.data import RobotLog, Snapshot
-from npslam_teach.methods.common import (
-    PAPER_OBSERVATION_STD,
-    PAPER_ODOMETRY_STD,
-    mean_landmarks,
-    reassociated,
-    snapshot,
-    start,
-)
+from npslam_teach.association import PAPER_KERNEL_STD, association_weights, require_kernel
+from npslam_teach.methods.snapshots import PAPER_OBSERVATION_STD, PAPER_ODOMETRY_STD, initial_snapshot, snapshot
+from npslam_teach.pose_graph import mean_landmarks, with_associations
+from npslam_teach.types import RobotLog, Snapshot
 
 
 def open_loop(
@@ -41,14 +35,13 @@ def open_loop(
     Yields:
         the frame-by-frame start, and the result.
     """
-    require_rule(PAPER_ALPHA, threshold, kernel_std)
-    first = start(log, odometry_std, observation_std)
+    require_kernel(threshold, kernel_std)
+    first = initial_snapshot(log, odometry_std, observation_std)
     yield first
-    obs_xy_world = se2.transform_to(first.graph.poses[log.obs_time], log.obs_xy)
+    obs_xy_world = se2.apply(first.graph.poses[log.obs_time], log.obs_xy)
     labels = join_earlier_observations(obs_xy_world, log.obs_class, threshold, kernel_std)
-    association = Association(labels, mean_landmarks(labels, obs_xy_world))
-    graph = reassociated(log, first.graph, association, observation_std)
-    yield snapshot(log, 1, labels, graph, PAPER_ALPHA)
+    landmarks = mean_landmarks(labels, obs_xy_world)
+    yield snapshot(log, 1, labels, with_associations(log, first.graph, labels, landmarks, observation_std))
 
 
 def join_earlier_observations(

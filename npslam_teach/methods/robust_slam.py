@@ -10,24 +10,15 @@ from collections.abc import Iterator
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.associate import (
-    PAPER_ALPHA,
+from npslam_teach.association import (
     PAPER_KERNEL_STD,
-    Association,
     association_weights,
-    require_rule,
+    require_kernel,
     without_empty_objects,
 )
-from npslam_teach.data import RobotLog, Snapshot
-from npslam_teach.methods.common import (
-    PAPER_OBSERVATION_STD,
-    PAPER_ODOMETRY_STD,
-    mean_landmarks,
-    reassociated,
-    snapshot,
-    start,
-)
-from npslam_teach.pose_graph import optimize
+from npslam_teach.methods.snapshots import PAPER_OBSERVATION_STD, PAPER_ODOMETRY_STD, initial_snapshot, snapshot
+from npslam_teach.pose_graph import mean_landmarks, optimize, with_associations
+from npslam_teach.types import RobotLog, Snapshot
 
 
 def robust_slam(
@@ -50,16 +41,16 @@ def robust_slam(
     Yields:
         the frame-by-frame start, and the result; observations that were left out have label -1.
     """
-    require_rule(PAPER_ALPHA, threshold, kernel_std)
-    first = start(log, odometry_std, observation_std)
+    require_kernel(threshold, kernel_std)
+    first = initial_snapshot(log, odometry_std, observation_std)
     yield first
-    obs_xy_world = se2.transform_to(first.graph.poses[log.obs_time], log.obs_xy)
+    obs_xy_world = se2.apply(first.graph.poses[log.obs_time], log.obs_xy)
     joined = join_first_of_class(obs_xy_world, log.obs_class, threshold, kernel_std)
     # Classes that were never seen leave gaps in the numbering.
     labels = without_empty_objects(np.where(joined, log.obs_class, -1), np.zeros((log.num_classes, 2))).labels
-    association = Association(labels, mean_landmarks(labels, obs_xy_world))
-    graph = optimize(reassociated(log, first.graph, association, observation_std))
-    yield snapshot(log, 1, labels, graph, PAPER_ALPHA)
+    landmarks = mean_landmarks(labels, obs_xy_world)
+    graph = optimize(with_associations(log, first.graph, labels, landmarks, observation_std))
+    yield snapshot(log, 1, labels, graph)
 
 
 def join_first_of_class(

@@ -10,9 +10,9 @@ from npslam_teach.plotting.curves import (
     plot_object_counts,
     plot_objective,
 )
+from npslam_teach.plotting.export import save, show, show_animation
 from npslam_teach.plotting.maps import plot_objects, plot_snapshot, plot_trajectory, plot_truth, plot_view
 from npslam_teach.plotting.panels import animate, plot_iterations, plot_methods
-from npslam_teach.plotting.pictures import save, show, show_animation
 from npslam_teach.plotting.style import class_style, method_style, new_figure
 
 __all__ = [

@@ -6,8 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from npslam_teach.data import GroundTruth, Snapshot
-from npslam_teach.evaluate import distances_to_truth
+from npslam_teach.evaluation import distances_to_truth
 from npslam_teach.plotting.style import (
     ESTIMATE_COLOR,
     TEXT_SIZE,
@@ -16,6 +15,7 @@ from npslam_teach.plotting.style import (
     legend_beside,
     method_style,
 )
+from npslam_teach.types import GroundTruth, Snapshot
 
 
 def plot_object_counts(ax: Axes, snapshots: Iterable[Snapshot], num_objects_true: int | None = None) -> Axes:

@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Wedge
 
 from npslam_teach import se2
-from npslam_teach.data import GroundTruth, RobotLog, Snapshot
 from npslam_teach.plotting.style import (
     ESTIMATE_COLOR,
     ESTIMATE_LINE,
@@ -24,6 +23,7 @@ from npslam_teach.plotting.style import (
     legend_beside,
     path_handles,
 )
+from npslam_teach.types import GroundTruth, RobotLog, Snapshot
 
 
 def plot_trajectory(ax: Axes, poses: np.ndarray, truth: bool = False, label: str | None = None) -> Axes:
@@ -168,7 +168,7 @@ def laid_over_truth(snapshot: Snapshot, truth: GroundTruth | None) -> tuple[np.n
     if truth is None:
         return poses, landmarks
     motion = se2.align(poses[:, :2], truth.poses[:, :2])
-    return se2.compose(motion, poses), se2.transform_to(motion, landmarks)
+    return se2.compose(motion, poses), se2.apply(motion, landmarks)
 
 
 def names_of_classes(log: RobotLog, truth: GroundTruth | None, class_names) -> tuple:
@@ -195,3 +195,34 @@ def name_of(snapshot: Snapshot) -> str:
 def how_many(snapshot: Snapshot) -> str:
     """The number of objects, in words of a title."""
     return f"{snapshot.num_objects} object" + ("" if snapshot.num_objects == 1 else "s")
+
+
+def plot_robots(ax: Axes, poses: np.ndarray, truth: bool = False) -> Axes:
+    """Draw an arrowhead at every pose that points where the robot looks; hollow and grey when it is the truth.
+
+    Args:
+        ax: a map.
+        poses: (N, 3) m, m, rad, W.
+        truth: whether this is what really happened.
+    """
+    color = TRUTH_COLOR if truth else ESTIMATE_COLOR
+    for x, y, heading in np.reshape(poses, (-1, 3)):
+        marker = (3, 0, np.rad2deg(heading) - 90)
+        fill = "white" if truth else color
+        ax.plot([x], [y], marker=marker, markersize=13, linestyle="none", color=color, mfc=fill, zorder=3)
+    return label_map(ax)
+
+
+def plot_observation_rays(ax: Axes, poses: np.ndarray, log: RobotLog) -> Axes:
+    """A thin line from each pose to everything that was seen from it.
+
+    Args:
+        ax: a map.
+        poses: (T, 3) m, m, rad, W.
+        log: the sightings.
+    """
+    seen_from = poses[log.obs_time, :2]
+    seen_at = se2.apply(poses[log.obs_time], log.obs_xy)
+    for start, end in zip(seen_from, seen_at, strict=True):
+        ax.plot(*np.stack([start, end]).T, color=TRUTH_COLOR, linewidth=0.7, linestyle=":", zorder=1.3)
+    return label_map(ax)

@@ -3,10 +3,10 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from npslam_teach.data import GroundTruth, RobotLog, Snapshot
+from npslam_teach.plotting.export import gif_bytes
 from npslam_teach.plotting.maps import how_many, laid_over_truth, map_handles, name_of, names_of_classes, plot_snapshot
-from npslam_teach.plotting.pictures import gif_bytes
 from npslam_teach.plotting.style import label_map, legend_below, legend_inside, new_figure
+from npslam_teach.types import GroundTruth, RobotLog, Snapshot
 
 MAX_PANELS = 6
 SECONDS_PER_ITERATION, SECONDS_ON_THE_LAST = 1.2, 2.5

@@ -13,6 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from npslam_teach.methods import METHODS
+
 CLASS_COLORS = ("#00659f", "#d45e00", "#38ba8d", "#712553", "#ddd32e", "#4b98dc", "#f6a0cf", "#432c00")
 CLASS_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 
@@ -26,20 +28,6 @@ START = {"color": ESTIMATE_COLOR, "linestyle": "none", "marker": "o", "markersiz
 TEXT_SIZE = {"title": 13, "label": 12, "tick": 11, "legend": 11}  # pt: readable from the back of a room
 
 _LEGEND = {"frameon": False, "fontsize": TEXT_SIZE["legend"]}
-
-# Open loop and frame by frame share their trajectory, so their curves coincide: a wide line shows on both sides of the
-# thin dashed one that is drawn over it.
-_METHOD_STYLES = {
-    "np-graph": {"color": "#00659f", "linestyle": "-", "marker": "o"},
-    "robust-slam": {"color": "#d45e00", "linestyle": "-.", "marker": "s"},
-    "open-loop": {"color": "#712553", "linestyle": "--", "marker": "D"},
-    "frame-by-frame": {"color": "#38ba8d", "linestyle": "-", "marker": "^", "linewidth": 6.0, "zorder": 1.8},
-    "ekf": {"color": "#ddd32e", "linestyle": (0, (6, 1)), "marker": "v"},
-    "joint-map": {"color": "#4b98dc", "linestyle": (0, (3, 1, 1, 1, 1, 1)), "marker": "P"},
-    "soft": {"color": "#432c00", "linestyle": ":", "marker": "X"},
-    "oriented": {"color": "#f6a0cf", "linestyle": (0, (4, 1, 1, 1)), "marker": "*"},
-    "online": {"color": "#1a1a1a", "linestyle": (0, (1, 2)), "marker": "p"},
-}
 
 
 def class_style(c: int) -> tuple[str, str]:
@@ -65,9 +53,9 @@ def method_style(name: str) -> dict:
     Raises:
         ValueError: no method of this name has a style.
     """
-    if name not in _METHOD_STYLES:
-        raise ValueError(f"name: expected one of {', '.join(_METHOD_STYLES)}, got {name!r}")
-    return {"linewidth": 2.0, "zorder": 2.0} | _METHOD_STYLES[name]
+    if name not in METHODS:
+        raise ValueError(f"name: expected one of {', '.join(METHODS)}, got {name!r}")
+    return {"linewidth": 2.0, "zorder": 2.0} | METHODS[name].style
 
 
 def new_figure(rows: int = 1, cols: int = 1, size=(7.0, 5.5), **subplots) -> tuple[Figure, Axes | np.ndarray]:

@@ -4,13 +4,13 @@
 ``gallery`` those that break the method.
 """
 
-from npslam_teach.simulate.drawn import Drawing, drawn_run
-from npslam_teach.simulate.fifteen import FIFTEEN_CLASSES, designed_path, fifteen_objects, scattered_world
+from npslam_teach.simulate.fifteen_objects import FIFTEEN_CLASSES, designed_path, fifteen_objects, scattered_world
 from npslam_teach.simulate.gallery import GALLERY, GalleryWorld, drawn_fifteen
-from npslam_teach.simulate.house import house
+from npslam_teach.simulate.grid_of_rooms import grid_of_rooms
+from npslam_teach.simulate.hand_drawn import Drawing, drawn_run
 from npslam_teach.simulate.office import OFFICE_CLASSES, office, office_scene
 from npslam_teach.simulate.office_camera import rendered_frame, rendered_frame_and_truth
-from npslam_teach.simulate.runs import add_noise, carried, follow, paper_sensor, simulate_run, visible_objects
+from npslam_teach.simulate.robot_run import add_noise, carried, follow, paper_sensor, simulate_run, visible_objects
 from npslam_teach.simulate.toy import TOY_CLASSES, toy_objects
 
 __all__ = [
@@ -27,7 +27,7 @@ __all__ = [
     "drawn_run",
     "fifteen_objects",
     "follow",
-    "house",
+    "grid_of_rooms",
     "office",
     "office_scene",
     "paper_sensor",

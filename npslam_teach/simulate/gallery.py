@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from npslam_teach.simulate.drawn import Drawing
-from npslam_teach.simulate.fifteen import FIFTEEN_CLASSES
+from npslam_teach.simulate.fifteen_objects import FIFTEEN_CLASSES
+from npslam_teach.simulate.hand_drawn import Drawing
 
 ROOM = (0.0, 0.0, 12.0, 8.0)  # m
 CORRIDOR = (0.0, 0.0, 36.0, 9.0)  # m

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.data import GroundTruth, RobotLog, SensorModel, World
-from npslam_teach.simulate.runs import follow, simulate_run
+from npslam_teach.simulate.robot_run import follow, simulate_run
+from npslam_teach.types import GroundTruth, RobotLog, SensorModel, World
 
 OFFICE_CLASSES = ("chair", "screen", "cup", "book", "keyboard", "phone", "plant", "bin")
 ROOM_SIZE = (8.4, 7.2)  # m, from (0, 0)
@@ -95,7 +95,7 @@ def office_scene(seed: int = 2016) -> OfficeScene:
     origin = np.where(desk[:, None] >= 0, DESKS[desk], 0.0)
     # Chairs stand turned by some 20 degrees, the rest nearly straight.
     yaw = origin[:, 2] + nudge[:, 2] * np.where(is_chair, 3.5, 1.0)
-    xy = se2.transform_to(origin, np.column_stack([x, y]) + nudge[:, :2])
+    xy = se2.apply(origin, np.column_stack([x, y]) + nudge[:, :2])
     world = World(xy, [OFFICE_CLASSES.index(each) for each in name], OFFICE_CLASSES)
     return OfficeScene(seed, world, se2.wrap(yaw), desk, office_path())
 
@@ -148,5 +148,5 @@ def office_path(step: float = 0.04) -> np.ndarray:
     middle = follow(np.concatenate([lap, lap, lap[:1]]), 0.01)
     # The sway does not fit a whole number of times into a lap, so no place is passed twice in the same way.
     sway = 0.1 * np.sin(2 * np.pi * 0.01 * np.arange(len(middle)) / 3.1)
-    xy = se2.transform_to(middle, np.column_stack([np.zeros_like(sway), sway]))
+    xy = se2.apply(middle, np.column_stack([np.zeros_like(sway), sway]))
     return follow(xy, step)

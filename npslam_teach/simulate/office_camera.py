@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.centroids import Intrinsics
+from npslam_teach.camera import Intrinsics
 from npslam_teach.simulate.office import DESK_SIZE, DESKS, OFFICE_CLASSES, ROOM_SIZE, OfficeScene, office_scene
 from npslam_teach.simulate.office import office_sensor as _office_sensor
 
@@ -118,7 +118,7 @@ def rendered_frame_and_truth(scene: OfficeScene | int, pose_index: int) -> tuple
     confusion = _office_sensor().class_confusion
     obs_class = [rng.choice(len(confusion), p=confusion[c]) for c in scene.world.object_class[obj]]
     frame = RgbdFrame(rgb, depth, boxes, np.array(obs_class, int), rng.uniform(0.6, 1.0, len(obj)).round(2), camera)
-    return frame, FrameTruth(object_at, obj, se2.transform_from(pose, scene.world.object_xy[obj]))
+    return frame, FrameTruth(object_at, obj, se2.apply_inverse(pose, scene.world.object_xy[obj]))
 
 
 def office_camera() -> Intrinsics:
@@ -227,7 +227,7 @@ def _disc(origin: np.ndarray, direction: np.ndarray, radius: float) -> tuple[np.
 def _window(body: Body, pose: np.ndarray, camera: Intrinsics) -> tuple[slice, slice]:
     """The rows and columns in which a body can be seen, so that the other rays need not be tried."""
     corners = body.half * np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
-    ahead, left = se2.transform_from(pose, se2.transform_to(body.pose, corners)).T
+    ahead, left = se2.apply_inverse(pose, se2.apply(body.pose, corners)).T
     if ahead.max() <= 0.05:
         return slice(0, 0), slice(0, 0)
     if ahead.min() <= 0.05:

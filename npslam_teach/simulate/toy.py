@@ -8,7 +8,7 @@ before the slip is where it should be, and all that was seen after it is 0.3 m t
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.data import GroundTruth, RobotLog, World
+from npslam_teach.types import GroundTruth, RobotLog, World
 
 TOY_CLASSES = ("chair", "screen", "cup")
 SLIP = 0.3  # m, what the wheels report too much between pose 2 and pose 3
@@ -49,7 +49,7 @@ def toy_objects() -> tuple[RobotLog, GroundTruth]:
     odometry = TRUE_STEPS.copy()
     odometry[2, 0] += SLIP
     time, obj = np.array(SIGHTINGS).T
-    xy = se2.transform_from(poses[time], OBJECT_XY[obj])
+    xy = se2.apply_inverse(poses[time], OBJECT_XY[obj])
     log = RobotLog(
         odometry=odometry,
         obs_time=np.append(time, GHOST_TIME),

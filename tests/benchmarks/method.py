@@ -13,8 +13,9 @@ from worker import peak_memory
 
 sys.path.insert(0, str(Path(__file__).parent.parent.parent))
 
-from npslam_teach import factorize, simulate  # noqa: E402
+from npslam_teach import simulate
 from npslam_teach.methods import np_graph  # noqa: E402
+from npslam_teach.pose_graph import factorization  # noqa: E402
 
 PARTS = {"association": "sweep", "solver": "optimize"}
 
@@ -35,8 +36,8 @@ def main():
     """Run, and tell the medians."""
     num_rooms, repeat, library = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3]
     if library == "superlu":
-        factorize.has_qdldl = lambda: False
-    log, truth = simulate.house(num_rooms)
+        factorization.has_qdldl = lambda: False
+    log, truth = simulate.grid_of_rooms(num_rooms)
     module = sys.modules[np_graph.__module__]
     spent = {part: [] for part in PARTS}
     for part, name in PARTS.items():

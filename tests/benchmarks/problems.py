@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from npslam_teach import datasets, evaluate, simulate
-from npslam_teach.data import PoseGraph
-from npslam_teach.g2o import turned_information
+from npslam_teach import datasets, evaluation, simulate
+from npslam_teach.datasets.g2o import turned_information
+from npslam_teach.types import PoseGraph
 
 STANDARD = ("intel", "manhattan", "victoria_park")
 ROOMS = (1, 10, 100)
@@ -25,12 +25,12 @@ def house_graph(num_rooms: int, seed: int = 0) -> PoseGraph:
     Gauss-Newton overshoots, and not every solver goes on from there. Sightings from less than a metre are left out: the
     bearing, which gtsam must use, says nothing where the robot drives through an object.
     """
-    log, truth = simulate.house(num_rooms, seed)
+    log, truth = simulate.grid_of_rooms(num_rooms, seed)
     rng = np.random.default_rng(seed)
     far = np.linalg.norm(log.obs_xy, axis=1) > 1.0
     log = replace(log, obs_time=log.obs_time[far], obs_xy=log.obs_xy[far], obs_class=log.obs_class[far])
     truth = replace(truth, obs_object=truth.obs_object[far])
-    solved = evaluate.true_association_fit(log, truth)
+    solved = evaluation.true_association_fit(log, truth)
     poses = solved.poses + rng.normal(size=solved.poses.shape) * [0.02, 0.02, 0.005]
     poses[0] = solved.poses[0]
     return replace(solved, poses=poses, landmarks=solved.landmarks + rng.normal(size=solved.landmarks.shape) * 0.02)

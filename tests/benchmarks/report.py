@@ -7,7 +7,7 @@ from importlib.metadata import PackageNotFoundError, version
 import numpy as np
 from matplotlib.figure import Figure
 
-from npslam_teach import files
+from npslam_teach.system import files
 
 LABELS = {
     "ours-qdldl": "npslam_teach (qdldl)",

@@ -23,8 +23,10 @@ import problems  # noqa: E402
 import report  # noqa: E402
 from tqdm import tqdm  # noqa: E402
 
-from npslam_teach import factorize, files, pose_graph  # noqa: E402
-from npslam_teach.data import PoseGraph  # noqa: E402
+from npslam_teach import pose_graph  # noqa: E402
+from npslam_teach.pose_graph import factorization  # noqa: E402
+from npslam_teach.system import files  # noqa: E402
+from npslam_teach.types import PoseGraph  # noqa: E402
 
 MOST_POSES = {"python_graphslam": 2000}  # beyond it, one run takes minutes
 
@@ -62,7 +64,7 @@ class Worker:
 
 def installed_solvers(g2o_python):
     """The interpreter for each solver that is there."""
-    solvers = {"ours-qdldl": sys.executable} if factorize.has_qdldl() else {}
+    solvers = {"ours-qdldl": sys.executable} if factorization.has_qdldl() else {}
     solvers["ours-superlu"] = sys.executable
     for name, module in (("gtsam_python", "gtsam"), ("python_graphslam", "graphslam")):
         if find_spec(module):

@@ -10,7 +10,7 @@ import ipywidgets
 import nbformat
 from lab_server import ROOT, timeout_error
 
-from npslam_teach.widgets import Explorer
+from npslam_teach.course.explorers import Explorer
 
 MEASURE = (Path(__file__).parent / "latency.js").read_text(encoding="utf-8")
 EXPLORE = re.compile(r"\bexplore_\w+\(")

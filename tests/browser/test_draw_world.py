@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from lab_server import LARGE_WINDOW, open_notebook, run_all_cells, saved, write_notebook
 
-from npslam_teach import datasets, drawing, np_graph
+from npslam_teach import datasets, np_graph
+from npslam_teach.course.draw_your_own_world import messages
 from npslam_teach.plotting.style import CLASS_COLORS
 
 WIDGET = "from npslam_teach.widgets.draw_world import DrawWorld\n\nworld = DrawWorld()\nworld"
@@ -77,10 +78,10 @@ class Room:
         self.root.locator(".note", has_text=f"solve {name}").wait_for()
         return datasets.load_log(self.folder / name)
 
-    def assert_right(self, name: str) -> drawing.Solved:
+    def assert_right(self, name: str) -> messages.SolvedWorld:
         """What the page says is what the library says of the world that the page saves."""
-        solved = drawing.solve(*self.saved(name))
-        assert self.words == drawing.words(solved)
+        solved = messages.solve(*self.saved(name))
+        assert self.words == messages.words(solved)
         assert self.bars == [each.num_objects for each in np_graph(solved.log)]
         return solved
 
@@ -168,7 +169,7 @@ def test_the_map_follows_the_drag_and_shows_the_estimate_in_the_colour_of_its_cl
     room.wait()
     room.rest()
     solved = room.assert_right("colours.npz")
-    result = drawing.answer(solved)["rounds"][-1]["objects"]
+    result = messages.answer(solved)["rounds"][-1]["objects"]
     off = [apart(room.color(x, y), CLASS_COLORS[int(c)]) for x, y, c, _ in np.reshape(result, (-1, 4))]
     assert np.mean(np.array(off) < 10) > 0.7, "lines may cross the middle of a few"
 
@@ -261,7 +262,7 @@ def test_a_robot_that_sees_nothing(room):
 
 
 def test_every_round_can_be_looked_at(room):
-    rounds = drawing.answer(drawing.solve(*room.saved("rounds.npz")))["rounds"]
+    rounds = messages.answer(messages.solve(*room.saved("rounds.npz")))["rounds"]
     seen = set()
     bars = room.root.locator(".bars button")
     for k, each in enumerate(rounds):

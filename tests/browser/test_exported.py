@@ -7,7 +7,7 @@ import pytest
 from axe import violations
 from lab_server import ROOT
 
-from npslam_teach import book
+from npslam_teach.publishing import book
 
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 

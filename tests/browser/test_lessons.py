@@ -13,7 +13,7 @@ from lab_server import ROOT, open_notebook, run_all_cells, saved
 from latency import Row, table
 from window import Window
 
-from npslam_teach.files import atomic_write
+from npslam_teach.system.files import atomic_write
 
 LESSONS = sorted(path.name for path in (ROOT / "notebooks").glob("[0-9]*.ipynb"))
 BUILD = ROOT / "build"

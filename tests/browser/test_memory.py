@@ -12,12 +12,12 @@ from explorers import Shown, explorers_of, lessons_with_explorers, values_of
 from lab_server import open_notebook, run_all_cells
 from matplotlib import pyplot
 
-from npslam_teach import factorize
+from npslam_teach.pose_graph import factorization
 
 STEPS, WARM_UP = 200, 40
 # qdldl frees arrays behind tracemalloc's back, which goes on listing some of them; a process that updates a factor a
 # hundred thousand times does not grow by a kilobyte.
-NOT_QDLDL = tracemalloc.Filter(False, factorize.__file__)
+NOT_QDLDL = tracemalloc.Filter(False, factorization.__file__)
 MB = 1e6
 LESSONS_IN_A_PAGE = ("04_dirichlet_process.ipynb", "07_fifteen_objects.ipynb")  # a toy; the whole method at every step
 

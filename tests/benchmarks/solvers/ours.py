@@ -1,7 +1,7 @@
 """npslam_teach itself, with either of its linear solvers."""
 
-from npslam_teach.data import BetweenFactors, ObservationFactors, PoseGraph
 from npslam_teach.pose_graph import gauss_newton
+from npslam_teach.types import BetweenFactors, ObservationFactors, PoseGraph
 
 RESIDUAL = "translation and wrapped angle; point in the frame of the pose"
 

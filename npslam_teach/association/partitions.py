@@ -1,0 +1,38 @@
+"""Partitions of the observations into objects: numbering them anew, and listing them all."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class Association:
+    """The outcome of a sweep: objects without observations are gone, the others are numbered from 0."""
+
+    labels: np.ndarray  # (M,) index of the object, or -1
+    landmarks: np.ndarray  # (K, 2) m, W: old objects stay where they were, a new one is where it was seen
+
+
+def without_empty_objects(labels: np.ndarray, landmarks: np.ndarray) -> Association:
+    """Drop objects that no observation belongs to, and number the others in their old order."""
+    kept = np.unique(labels[labels >= 0])
+    renumbered = np.full(len(landmarks), -1)
+    renumbered[kept] = np.arange(len(kept))
+    return Association(np.where(labels >= 0, renumbered[labels], -1), landmarks[kept])
+
+
+def all_partitions(obs_class) -> Iterator[list[int]]:
+    """Every way to group observations into objects of one class each, once, as labels in order of appearance.
+
+    Args:
+        obs_class: (M,); their number grows like the Bell numbers, 4140 for eight of one class.
+    """
+    obs_class = list(obs_class)
+    if not obs_class:
+        yield []
+        return
+    for labels in all_partitions(obs_class[:-1]):
+        alike = {i for i, c in zip(labels, obs_class[:-1], strict=True) if c == obs_class[-1]}
+        for label in (*sorted(alike), max(labels, default=-1) + 1):
+            yield [*labels, label]

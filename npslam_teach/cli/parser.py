@@ -1,0 +1,220 @@
+"""The command line: ``python3 -m npslam_teach COMMAND``.
+
+Wrong input ends with one sentence on standard error and exit code 2. ``--json`` prints one object on standard output
+and nothing else. What a command does stands in ``commands``; here is only how it is asked.
+"""
+
+import argparse
+import os
+import sys
+import warnings
+
+from npslam_teach import __version__
+
+METHOD_NAMES = ("np-graph", "robust-slam", "open-loop", "frame-by-frame", "ekf")
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser that says what is wrong in one line; ``--help`` has the rest."""
+
+    def error(self, message: str):
+        self.exit(2, f"{self.prog}: {message}\n")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run one command and return its exit code: 0, 2 for wrong input, 130 after Ctrl-C, 141 for a closed pipe.
+
+    Args:
+        arguments: as on the command line, without the program's name.
+    """
+    parser = build_parser()
+    options, extra = parser.parse_known_args(arguments)
+    if extra and options.command not in ("test", "bench"):
+        parser.error(f"unrecognized arguments: {' '.join(extra)}")
+    options.extra = extra
+    from npslam_teach.cli import commands
+
+    def say_warning(message, *details, **more) -> None:
+        print(f"{parser.prog} {options.command}: warning: {' '.join(str(message).split())}", file=sys.stderr)
+
+    try:
+        with warnings.catch_warnings():
+            warnings.showwarning = say_warning
+            code = getattr(commands, options.command)(options) or 0
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:
+        # Whoever read our output has seen enough, as `head` does; nothing more can be said to him.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
+    except (ValueError, OSError, MemoryError) as error:
+        return _explain(parser.prog, options.command, error)
+    except KeyboardInterrupt:
+        print(f"{parser.prog} {options.command}: interrupted", file=sys.stderr)
+        return 130
+
+
+def _explain(program: str, command: str, error: Exception) -> int:
+    sentence = " ".join(str(error).split())
+    if isinstance(error, OSError) and error.filename is not None and error.strerror:
+        sentence = f"{error.filename}: {error.strerror.lower()}"
+    if isinstance(error, MemoryError):
+        sentence = "expected a problem that fits into memory, got one that does not"
+    print(f"{program} {command}: {sentence}", file=sys.stderr)
+    return 2
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """The parser of all commands; each sets ``command`` to the name of its function in ``commands``."""
+    parser = _Parser(prog="npslam_teach", description="Object SLAM with unknown data association, taught step by step.")
+    parser.add_argument("--version", action="version", version=f"npslam_teach {__version__}")
+    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=_Parser)
+    _add_lab(subparsers)
+    _add_fetch(subparsers)
+    _add_test(subparsers)
+    _add_bench(subparsers)
+    _add_reproduce(subparsers)
+    _add_solve(subparsers)
+    _add_optimize(subparsers)
+    _add_figures(subparsers)
+    _add_site(subparsers)
+    _add_book(subparsers)
+    _add_badges(subparsers)
+    _add_assignment(subparsers)
+    return parser
+
+
+def _add(subparsers, name: str, text: str) -> argparse.ArgumentParser:
+    return subparsers.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+
+
+def _add_lab(subparsers) -> None:
+    lab = _add(subparsers, "lab", "open the course in JupyterLab, on this machine only")
+    lab.add_argument("--port", type=_port, help="the port to listen on (default: the first free one from 8888)")
+    lab.add_argument("--no-browser", action="store_true", help="print the address instead of opening it")
+
+
+def _add_fetch(subparsers) -> None:
+    fetch = _add(subparsers, "fetch", "fetch a file of the authors' once, check it, and print where it is")
+    fetch.add_argument("name", choices=("simulation", "office"), metavar="NAME", help="simulation or office")
+
+
+def _add_test(subparsers) -> None:
+    _add(subparsers, "test", "run all tests, notebooks included; further arguments go to pytest")
+
+
+def _add_bench(subparsers) -> None:
+    text = "measure the speed beside other solvers; further arguments go to tests/benchmarks/run.py"
+    _add(subparsers, "bench", text)
+
+
+def _add_reproduce(subparsers) -> None:
+    reproduce = _add(subparsers, "reproduce", "run the paper's simulation with every method and compare them")
+    reproduce.add_argument("--data", metavar="FILE", help="a log with truth, such as the authors' simulation.mat")
+    reproduce.add_argument("--noise", type=_number, default=1.0, metavar="S", help="1 is the paper's (default)")
+    reproduce.add_argument("--seeds", type=_count, default=1, metavar="N", help="how many runs (default 1)")
+    reproduce.add_argument("--first-seed", type=_index, metavar="K", help="default 0; a single run of our scene: 2016")
+    reproduce.add_argument("--methods", type=_methods, default=list(METHOD_NAMES), metavar="A,B", help="default: all")
+    reproduce.add_argument(
+        "--iterations",
+        type=_count,
+        default=8,
+        metavar="N",
+        help="alternations at most (default 8; the paper ran 5)",
+    )
+    reproduce.add_argument("--figures", metavar="DIR", help="draw figures 14 to 17 of the first run into this folder")
+    _add_json(reproduce)
+
+
+def _add_solve(subparsers) -> None:
+    solve = _add(subparsers, "solve", "run one method on a robot log")
+    solve.add_argument("log", metavar="LOG", help="a .npz log or one of the authors' .mat files")
+    solve.add_argument(
+        "--method", choices=METHOD_NAMES, default="np-graph", metavar="NAME", help=", ".join(METHOD_NAMES)
+    )
+    solve.add_argument(
+        "--alpha", type=_number, metavar="A", help="concentration of the Dirichlet process (default 0.9)"
+    )
+    solve.add_argument("--threshold", type=_number, metavar="P", help="accept the best match above this probability")
+    solve.add_argument("--noise", type=_number, default=0.0, metavar="S", help="noise to add first; 1 is the paper's")
+    solve.add_argument("--seed", type=_index, default=0, metavar="K", help="of that noise (default 0)")
+    solve.add_argument("--out", metavar="FILE", help="write the result as .json, or its graph as .g2o")
+    _add_json(solve)
+
+
+def _add_optimize(subparsers) -> None:
+    optimize = _add(subparsers, "optimize", "solve a pose graph")
+    optimize.add_argument("graph", metavar="GRAPH.g2o", help="a 2-D pose graph")
+    optimize.add_argument("--out", metavar="FILE", help="write the solution as .g2o, vertices numbered anew")
+    optimize.add_argument("--repeat", type=_count, metavar="N", help="solve N times and list the seconds")
+    text = "stop when a step lowers chi2 by less than this share (default 1e-9)"
+    optimize.add_argument("--tolerance", type=_number, default=1e-9, metavar="R", help=text)
+    _add_json(optimize)
+
+
+def _add_figures(subparsers) -> None:
+    figures = _add(subparsers, "figures", "draw every figure of the course anew")
+    figures.add_argument("--out", metavar="DIR", help="default: the folder figures beside the package")
+
+
+def _add_site(subparsers) -> None:
+    site = _add(subparsers, "site", "build the course as static web pages that run Python in the reader's browser")
+    site.add_argument("--out", required=True, metavar="DIR", help="the folder to make, or an earlier site to replace")
+    site.add_argument("--pyodide", metavar="FOLDER", help="a distribution of Pyodide to hand out with the site")
+
+
+def _add_book(subparsers) -> None:
+    book = _add(subparsers, "book", "write all lessons as one book, to read offline and to print")
+    book.add_argument("--out", required=True, metavar="FILE", help="FILE.html, or FILE.pdf if there is a browser")
+    book.add_argument("--browser", metavar="PROGRAM", help="the Chromium, Chrome or Edge that prints the PDF")
+
+
+def _add_badges(subparsers) -> None:
+    _add(subparsers, "badges", "let the lessons' Colab badges point to the Repository in pyproject.toml")
+
+
+def _add_assignment(subparsers) -> None:
+    assignment = _add(subparsers, "assignment", "write the student's copy of lessons, and their source for nbgrader")
+    assignment.add_argument("lessons", nargs="+", metavar="LESSON", help="numbers of lessons, such as 04")
+    assignment.add_argument("--out", required=True, metavar="DIR", help="folder to write into; nothing is overwritten")
+    assignment.add_argument("--student", action="store_true", help="the student's copy alone, without any solution")
+
+
+def _add_json(parser) -> None:
+    parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+
+
+def _number(text: str) -> float:
+    """Any number; its range is the business of whoever uses it. Fails with one sentence."""
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"expected a number, got {text!r}") from None
+
+
+def _index(text: str) -> int:
+    return _integer(text, 0)
+
+
+def _count(text: str) -> int:
+    return _integer(text, 1)
+
+
+def _port(text: str) -> int:
+    return _integer(text, 1, 65_535)
+
+
+def _integer(text: str, least: int, most: int = 1_000_000) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) < 20 and least <= int(text) <= most):
+        raise argparse.ArgumentTypeError(f"expected a whole number from {least} to {most}, got {text!r}")
+    return int(text)
+
+
+def _methods(text: str) -> list[str]:
+    names = text.split(",")
+    for name in names:
+        if name not in METHOD_NAMES:
+            raise argparse.ArgumentTypeError(f"expected some of {', '.join(METHOD_NAMES)}, got {name!r}")
+    if len(set(names)) < len(names):
+        raise argparse.ArgumentTypeError(f"expected each method once, got {text!r}")
+    return names

@@ -1,0 +1,164 @@
+"""The results of one run as plain dictionaries (for ``--json``) and as text (for people)."""
+
+import math
+
+from npslam_teach.experiments.runs import Run, run_summary
+from npslam_teach.types import GroundTruth
+
+
+def solve_result(run: Run, truth: GroundTruth | None) -> dict:
+    """What ``solve --json`` prints: the summary, the association, the trajectory and the map."""
+    last = run.snapshots[-1]
+    counts = last.votes[:, 1:].sum(axis=1)
+    objects = [
+        {
+            "xy": xy.tolist(),
+            "class": int(votes[1:].argmax()),
+            "votes": votes.tolist(),
+            "num_observations": int(count),
+        }
+        for xy, votes, count in zip(last.graph.landmarks, last.votes, counts, strict=True)
+    ]
+    arrays = {"labels": last.labels.tolist(), "poses": last.graph.poses.tolist(), "objects": objects}
+    return run_summary(run, truth) | arrays
+
+
+def solve_text(result: dict) -> str:
+    """The same for people."""
+    lines = [
+        f"method                {result['method']}",
+        f"observations          {result['num_observations']}",
+        f"objects               {' -> '.join(map(str, result['counts_per_iteration']))}",
+        f"chi2                  {result['chi2']:.2f}",
+        *([] if result["objective"] is None else [f"objective             {result['objective']:.2f}"]),
+        f"seconds               {result['seconds']:.3f}",
+    ]
+    metrics = result.get("metrics")
+    if metrics is None:
+        return "\n".join([*lines, "the file holds no truth to compare with"])
+    return "\n".join(
+        [
+            *lines,
+            f"mean pose error       {metrics['mean_pose_error']:.3f} m",
+            f"mean object error     {metrics['mean_object_error']:.3f} m",
+            f"objects in truth      {metrics['num_objects_true']}",
+            f"ARI, V-measure        {metrics['ari']:.3f}, {metrics['v_measure']:.3f}",
+            f"observations used     {100 * metrics['observations_used']:.1f}%",
+            f"chi2 per dof          {metrics['chi2_per_dof']:.3f}",
+        ]
+    )
+
+
+def optimize_result(steps: list, chi2_initial: float, seconds) -> dict:
+    """What ``optimize --json`` prints."""
+    last = steps[-1]
+    return {
+        "chi2": last.chi2,
+        "chi2_initial": chi2_initial,
+        "start": "given" if math.isclose(steps[0].chi2, chi2_initial, rel_tol=1e-9) else "chordal",
+        "iterations": last.iteration,
+        "converged": last.converged,
+        "status": last.status,
+        "seconds": seconds,
+        "poses": last.graph.poses.tolist(),
+        "landmarks": last.graph.landmarks.tolist(),
+    }
+
+
+def optimize_text(result: dict) -> str:
+    """The same for people."""
+    seconds = result["seconds"] if isinstance(result["seconds"], list) else [result["seconds"]]
+    return "\n".join(
+        [
+            f"poses, landmarks      {len(result['poses'])}, {len(result['landmarks'])}",
+            f"chi2                  {result['chi2_initial']:.6g} -> {result['chi2']:.6f}",
+            f"iterations            {result['iterations']} from the {result['start']} start ({result['status']})",
+            f"seconds               {', '.join(f'{s:.4f}' for s in seconds)}",
+        ]
+    )
+
+
+def plain(value):
+    """The value as JSON can say it: NaN and infinity become null."""
+    if isinstance(value, dict):
+        return {key: plain(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def table(header: list[str], rows: list[list[str]]) -> str:
+    """Columns side by side: the first to the left, the others to the right."""
+    widths = [max(len(row[k]) for row in [header, *rows]) for k in range(len(header))]
+    lines = [
+        "  ".join([row[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True))])
+        for row in [header, *rows]
+    ]
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def reproduce_text(result: dict) -> str:
+    """What ``reproduce`` prints for people."""
+    scene, summary = result["scene"], result["summary"]
+    num_runs = max(entry["num_runs"] for entry in summary.values())
+    parts = [_scene_text(scene)]
+    if result["iterations"]:
+        parts.append("NP-graph, iteration by iteration\n" + _iterations_text(result["iterations"]))
+    what = "seed " + str(scene["seed"]) if num_runs == 1 else f"medians of {num_runs} runs"
+    parts.append(f"methods, {what}\n" + _methods_text(summary))
+    if num_runs > 1 and "np-graph" in summary:
+        entry = summary["np-graph"]
+        parts.append(f"exactly {scene['num_objects']} objects: {entry['num_exact']} of {num_runs} runs")
+        if result["iterations_at_most"] >= 5:
+            share = f"{100 * entry['share_exact_after_five']:.0f}%"
+            parts[-1] += f" ({share} after five alternations, as the paper ran it)"
+    return "\n\n".join(parts)
+
+
+def _scene_text(scene: dict) -> str:
+    return (
+        f"{scene['name']}, seed {scene['seed']}, noise {scene['noise']:g}: {scene['num_poses']} poses on "
+        f"{scene['path_length']:.1f} m, {scene['num_observations']} observations, {scene['num_objects']} objects "
+        f"of {scene['num_classes']} classes\n"
+        f"chi2 per degree of freedom with the true association: {scene['chi2_per_dof_true_association']:.3f}"
+    )
+
+
+def _iterations_text(rows: list[dict]) -> str:
+    header = ["iteration", "objects", "chi2", "objective", "mean pose error (m)"]
+    cells = [
+        [
+            str(row["iteration"]),
+            str(row["num_objects"]),
+            f"{row['chi2']:.1f}",
+            f"{row['objective']:.1f}",
+            f"{row['mean_pose_error']:.3f}",
+        ]
+        for row in rows
+    ]
+    return table(header, cells)
+
+
+def _methods_text(summary: dict) -> str:
+    header = [
+        "method",
+        "mean pose error (m)",
+        "cumulative (m)",
+        "observations used",
+        "objects",
+        "object error (m)",
+        "ARI",
+    ]
+    cells = [
+        [
+            method,
+            f"{entry['median_mean_pose_error']:.3f}",
+            f"{entry['median_cumulative_pose_error']:.1f}",
+            f"{entry['median_num_observations_used']:.0f}",
+            f"{entry['median_num_objects']:g}",
+            f"{entry['median_mean_object_error']:.3f}",
+            f"{entry['median_ari']:.3f}",
+        ]
+        for method, entry in summary.items()
+    ]
+    return table(header, cells)

@@ -1,0 +1,4 @@
+"""The lessons' own code: one folder for each, named by its subject, with its pictures, checks, figures and explorer.
+
+``explorers`` and ``checking`` are what the lessons share; ``all_figures`` lists every figure file of the course.
+"""

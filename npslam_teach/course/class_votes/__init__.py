@@ -1,0 +1,1 @@
+"""Lesson 05, ``notebooks/05_class_votes.ipynb``: its pictures, checks, figures and explorer."""

@@ -1,0 +1,1 @@
+"""Lesson 04, ``notebooks/04_dirichlet_process.ipynb``: its pictures, checks, figures and explorer."""

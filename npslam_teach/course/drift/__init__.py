@@ -1,0 +1,1 @@
+"""Lesson 02, ``notebooks/02_drift.ipynb``: its pictures, checks, figures and explorer."""

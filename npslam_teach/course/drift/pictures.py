@@ -1,0 +1,101 @@
+"""Drift: robots on a map, the toy scene as the wheels report it, clouds of runs and the ellipses meant to hold them."""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from npslam_teach import se2
+from npslam_teach.plotting.maps import plot_objects, plot_observation_rays, plot_robots, plot_trajectory
+from npslam_teach.plotting.style import (
+    CLASS_COLORS,
+    ESTIMATE_COLOR,
+    TEXT_SIZE,
+    label_axes,
+    label_map,
+    legend_beside,
+)
+from npslam_teach.plotting.uncertainty import ellipse_points
+from npslam_teach.types import GroundTruth, RobotLog
+
+CLOUD_COLOR, ELLIPSE_COLOR = CLASS_COLORS[5], CLASS_COLORS[1]
+
+
+def plot_two_orders(ax: Axes, steps: np.ndarray, names: tuple) -> Axes:
+    """Two steps chained in either order from the origin: the same steps, two different ends.
+
+    Args:
+        ax: a map.
+        steps: (2, 3) m, m, rad, each in the frame of the pose before it.
+        names: of the two orders, for the legend.
+    """
+    for k, order in enumerate((steps, steps[::-1])):
+        path = se2.dead_reckoning(np.asarray(order))
+        dashes, color = ("-", ":")[k], CLASS_COLORS[k]
+        ax.plot(path[:, 0], path[:, 1], dashes, color=color, linewidth=2.5, label=names[k])
+        x, y, heading = path[-1]
+        ax.plot([x], [y], marker=(3, 0, np.rad2deg(heading) - 90), markersize=16, color=color)
+    plot_robots(ax, np.zeros((1, 3)))
+    ax.margins(0.15)
+    legend_beside(ax)
+    return label_map(ax, "the same two steps in either order")
+
+
+def plot_frame_by_frame(ax: Axes, log: RobotLog, poses: np.ndarray, truth: GroundTruth, title: str) -> Axes:
+    """Every sighting an object of its own, ``Obj_1`` and so on, along a path that is believed (deck figure 5).
+
+    Args:
+        ax: a map.
+        log: few sightings: each gets its name.
+        poses: (T, 3) m, m, rad, W: the path that the sightings are carried into W along.
+        truth: the true path dashed, the true objects as grey rings.
+        title: of the map.
+    """
+    world = truth.world
+    plot_trajectory(ax, truth.poses, truth=True)
+    plot_objects(ax, world.object_xy, world.object_class, world.class_names, truth=True)
+    plot_trajectory(ax, poses)
+    plot_robots(ax, poses)
+    plot_observation_rays(ax, poses, log)
+    seen_at = se2.apply(poses[log.obs_time], log.obs_xy)
+    plot_objects(ax, seen_at, log.obs_class, world.class_names)
+    for k, xy in enumerate(seen_at):
+        place = {"xytext": (11, 0), "textcoords": "offset points", "va": "center", "fontsize": TEXT_SIZE["tick"]}
+        # On white, so that the rays behind it cannot be taken for strokes of the letters.
+        ax.annotate(f"Obj_{k + 1}", xy, zorder=4, bbox={"facecolor": "white", "linewidth": 0, "pad": 0.6}, **place)
+    ax.margins(0.06, 0.1)
+    return label_map(ax, title)
+
+
+def plot_cloud(ax: Axes, ends_xy: np.ndarray, mean: np.ndarray, cov: np.ndarray) -> Axes:
+    """Where many runs ended, and the ellipse that first-order propagation promises for 95 % of them.
+
+    Args:
+        ax: a map; several clouds share one legend.
+        ends_xy: (N, 2) m, W.
+        mean: (2,) m, where the robot without noise ends.
+        cov: (2, 2) m^2.
+    """
+    first = not ax.lines
+    dots = {"linestyle": "none", "marker": ".", "markersize": 5, "color": CLOUD_COLOR, "alpha": 0.6}
+    ax.plot(*ends_xy.T, label="ends of runs" if first else None, **dots)
+    line = {"color": ELLIPSE_COLOR, "linewidth": 2.2, "zorder": 3}
+    ax.plot(*ellipse_points(mean, cov).T, label="95 % ellipse" if first else None, **line)
+    legend_beside(ax)
+    return label_map(ax)
+
+
+def plot_growth(ax: Axes, predicted: np.ndarray, errors: np.ndarray) -> Axes:
+    """How far off the position is expected to be along the path, and how far it was in several runs.
+
+    Args:
+        ax: any axes.
+        predicted: (T,) m, the root of the expected squared distance.
+        errors: (runs, T) m.
+    """
+    for k, error in enumerate(errors):
+        label = f"{len(errors)} runs" if k == 0 else None
+        ax.plot(error, color=CLOUD_COLOR, linewidth=0.9, alpha=0.7, label=label)
+    squares = np.sqrt(np.mean(np.square(errors), axis=0))
+    ax.plot(squares, color=ESTIMATE_COLOR, linewidth=2.2, linestyle="-.", label="root mean square of the runs")
+    ax.plot(predicted, color=ELLIPSE_COLOR, linewidth=2.6, label="predicted by F P F$^T$ + G Q G$^T$")
+    legend_beside(ax)
+    return label_axes(ax, "pose t (index)", "distance from the truth (m)", "drift along the path")

@@ -1,0 +1,255 @@
+"""Checks of lesson 09: the Kalman gain, Mahalanobis distance, matching a frame, a new object, and NIS bounds."""
+
+from collections.abc import Callable
+from functools import partial
+from itertools import permutations
+
+import numpy as np
+
+from npslam_teach import se2
+from npslam_teach.course.checking import Verdict, answer_of, as_array, right, wrong
+
+NOT_SQUARED = "a standard deviation must be squared before it is added to a variance"
+
+
+def check_kalman_gain(kalman_gain: Callable) -> Verdict:
+    """Exercise 1: ``kalman_gain(variance, slope, noise_std)``, a number."""
+
+    def variant(p, h, std, power=2, sign=True, square_slope=True, noise=True):
+        return p * (h if sign else abs(h)) / (p * (h**2 if square_slope else abs(h)) + noise * std**power)
+
+    mistakes = {
+        NOT_SQUARED: partial(variant, power=1),
+        "the sign of the slope is lost: a robot too far ahead sees the wall too near": partial(variant, sign=False),
+        "the variance of what is expected is slope * variance * slope: the slope counts twice": partial(
+            variant, square_slope=False
+        ),
+        "the noise of the sensor is missing: such a filter believes every measurement": partial(variant, noise=False),
+        "this is the share of the old belief that stays; the gain is how far the innovation moves it": (
+            lambda p, h, std: std**2 / (h**2 * p + std**2)
+        ),
+        "this is the share of the innovation's variance that the belief explains; divide by the slope once more": (
+            lambda p, h, std: h**2 * p / (h**2 * p + std**2)
+        ),
+        "the slope is missing above the line": lambda p, h, std: p / (h**2 * p + std**2),
+    }
+    rng = np.random.default_rng(0)
+    trials = [
+        (*rng.uniform(0.05, 2, 1), rng.choice([-1, 1]) * rng.uniform(0.3, 3), rng.uniform(0.1, 2)) for _ in range(8)
+    ]
+    praise = "the gain weighs the belief against the sensor"
+    return _judge("your gain", kalman_gain, trials, variant, mistakes, praise)
+
+
+def check_squared_mahalanobis(squared_mahalanobis: Callable) -> Verdict:
+    """Exercise 2: ``squared_mahalanobis(innovation, innovation_cov)``, a number."""
+
+    def true_value(y, cov):
+        return y @ np.linalg.solve(cov, y)
+
+    mistakes = {
+        "that is the distance itself; the square is asked for": lambda y, cov: np.sqrt(true_value(y, cov)),
+        "the covariance is multiplied, not divided by: a wide gate must make a distance small": lambda y, cov: (
+            y @ cov @ y
+        ),
+        "this is the plain distance, squared: the covariance is not used": lambda y, cov: y @ y,
+        "only the diagonal of the covariance is used: the two errors hang together": lambda y, cov: (
+            y @ (y / np.diag(cov))
+        ),
+        "the inverse is taken number by number: a matrix has an inverse as a whole": lambda y, cov: y @ (1 / cov) @ y,
+        "the covariance is inverted twice": lambda y, cov: np.sum(np.linalg.solve(cov, y) ** 2),
+    }
+    rng = np.random.default_rng(1)
+    trials = [(rng.normal(size=2), _covariance(rng, 2)) for _ in range(8)]
+    praise = "distances are now counted in standard deviations, whatever the direction"
+    return _judge("your number", squared_mahalanobis, trials, true_value, mistakes, praise)
+
+
+def check_match_frame(match_frame: Callable) -> Verdict:
+    """Exercise 3: ``match_frame(squared_distance, gate)``, (m,) objects or -1."""
+    mistakes = {
+        "two sightings of one frame share an object: both took the nearest": _nearest,
+        "sightings take turns, and the first takes the nearest: together they could do better": _greedy,
+        "a pair beyond the gate is matched: what fits nothing must be left out": lambda d, gate: _best(d, np.inf),
+        "the gate is asked too late: a bad pair that is thrown away afterwards has already pushed others aside": (
+            lambda d, gate: _thrown_away(d, gate)
+        ),
+        "the total is made as large as can be, not as small": lambda d, gate: _best(-np.minimum(d, 1e6), np.inf),
+    }
+    rng, trials = np.random.default_rng(2), [(np.array([[1.0, 2.0], [1.5, 8.0]]), 9.0)]
+    trials += [(np.array([[0.0, 9.1], [0.1, 30.0]]), 9.0), (np.array([[4.0]]), 3.0)]
+    while len(trials) < 40:
+        shape = rng.integers(1, 4, 2)
+        trials.append((rng.uniform(0, 14, shape), 9.0))
+    praise = "no two sightings share an object, and nothing beyond the gate is matched"
+    return _judge("your matches", match_frame, trials, _best, mistakes, praise)
+
+
+def check_add_object(add_object: Callable) -> Verdict:
+    """Exercise 4: ``add_object(mean, cov, xy, observation_std)``: mean (n+2,) and covariance (n+2, n+2)."""
+
+    def variant(mean, cov, xy, std, lever=1.0, turned=True, power=2, noise=True, cross="all", moved=True, swap=False):
+        rotation = se2.rotate(mean[2], np.eye(2)).T
+        dx, dy = rotation @ xy
+        by_state = np.zeros((2, len(mean)))
+        by_state[:, :3] = [[1.0, 0.0, -lever * dy], [0.0, 1.0, lever * dx]]
+        camera = noise * np.diag(std**power)
+        own = by_state @ cov @ by_state.T + (rotation @ camera @ rotation.T if turned else camera)
+        shared = by_state @ cov
+        shared = {"all": shared, "none": 0 * shared, "pose": np.where(np.arange(len(mean)) < 3, shared, 0)}[cross]
+        place = mean[:2] + (np.array([dx, dy]) if moved else xy)
+        grown = np.block([[cov, shared.T], [shared, own]])
+        return np.append(mean, place[::-1] if swap else place), grown
+
+    of_mean = {
+        "the sighting is not turned into the world before it is added to the position": {"moved": False},
+        "x and y of the new object are swapped": {"swap": True},
+    }
+    of_cov = {
+        "the new object shares no error with the pose: then the filter would take it for an independent witness": {
+            "cross": "none"
+        },
+        "the new object shares its error with the pose only: objects found before hang on the same pose": {
+            "cross": "pose"
+        },
+        "the error of the sighting is not turned into the world": {"turned": False},
+        "the error of the heading is left out: a turned robot swings what it sees": {"lever": 0.0},
+        "the swing by the heading has the wrong sign": {"lever": -1.0},
+        NOT_SQUARED: {"power": 1},
+        "the error of the sighting itself is missing": {"noise": False},
+    }
+    rng = np.random.default_rng(3)
+    for size in (3, 5, 9, 7):
+        mean = np.append(rng.uniform(-3, 3, 3), rng.uniform(-5, 5, size - 3))
+        trial = mean, _covariance(rng, size), rng.uniform(-3, 3, 2), rng.uniform(0.2, 1.2, 2)
+        verdict = _judge_pair(add_object, trial, variant, of_mean, of_cov)
+        if verdict is not None:
+            return verdict
+    return right("the state has grown by two, and the new object hangs on everything that the pose hangs on")
+
+
+def check_nis_bounds(nis_bounds: Callable) -> Verdict:
+    """Exercise 5: ``nis_bounds(num_matches, probability)``, the low and the high end, (2,)."""
+    from scipy.stats import chi2, norm
+
+    def variant(num_matches, probability, numbers=2, average=True, tails=2):
+        dof, tail = numbers * num_matches, (1 - probability) / 2
+        levels = (tail, 1 - tail) if tails == 2 else (1 - probability, probability)
+        return chi2.ppf(levels, dof) / (num_matches if average else 1)
+
+    mistakes = {
+        "each match measures two numbers, so each adds two degrees of freedom": partial(variant, numbers=1),
+        "these are bounds of the sum; the average over the matches is asked for": partial(variant, average=False),
+        "the rest of the probability is split between two tails: half of it at either end": partial(variant, tails=1),
+        "divided by the degrees of freedom: the average is over matches, and a match has two": (
+            lambda n, p: variant(n, p) / 2
+        ),
+        "that is the Gaussian approximation: take quantiles of chi-squared itself": (
+            lambda n, p: 2 + norm.ppf([(1 - p) / 2, (1 + p) / 2]) * 2 / np.sqrt(n)
+        ),
+        "the average of N matches scatters less than one of them: the bounds must depend on N": (
+            lambda n, p: chi2.ppf([(1 - p) / 2, (1 + p) / 2], 2)
+        ),
+        "the high end comes first: low, then high": lambda n, p: variant(n, p)[::-1],
+    }
+    trials = [(n, p) for n in (1, 7, 50, 400) for p in (0.9, 0.95, 0.99)]
+    praise = "a filter whose average leaves these bounds is too sure of itself, or not sure enough"
+    return _judge("your bounds", nis_bounds, trials, variant, mistakes, praise)
+
+
+def _judge_pair(add_object: Callable, trial: tuple, variant: Callable, of_mean: dict, of_cov: dict) -> Verdict | None:
+    """One trial of exercise 4: None when the answer is right."""
+    answer, verdict = answer_of(add_object, *(each.copy() for each in trial))
+    if verdict is not None:
+        return verdict
+    if not (isinstance(answer, tuple | list) and len(answer) == 2):
+        return wrong("return two things: the new mean and the new covariance")
+    parts = []
+    for name, part, wanted in zip(("your mean", "your covariance"), answer, variant(*trial), strict=True):
+        if part is ...:
+            return wrong(f"{name} is still the dots")
+        array, verdict = as_array(name, part, wanted.shape)
+        if verdict is not None:
+            return verdict
+        parts.append(array)
+    for k, mistakes in enumerate((of_mean, of_cov)):
+        if np.allclose(parts[k], variant(*trial)[k]):
+            continue
+        for message, keys in mistakes.items():
+            if np.allclose(parts[k], variant(*trial, **keys)[k]):
+                return wrong(message)
+        return wrong(_unknown_difference(k, parts, trial, variant))
+    return None
+
+
+def _unknown_difference(k: int, parts: list, trial: tuple, variant: Callable) -> str:
+    n, off = len(trial[0]), ~np.isclose(parts[k], variant(*trial)[k])
+    if k == 0:
+        return "the old numbers of your mean have changed" if off[:n].any() else "the new object is at the wrong place"
+    if off[:n, :n].any():
+        return "the old part of your covariance has changed: a new object says nothing about the old numbers"
+    if not np.allclose(parts[1], parts[1].T):
+        return "your covariance is not symmetric"
+    where = "what it shares with the old numbers" if off[:n].any() else "its own two by two"
+    return f"the new object's covariance is off: look at {where}"
+
+
+def _best(squared_distance: np.ndarray, gate: float) -> np.ndarray:
+    """Every way to match one to one or leave out (which costs the gate), by trying: the cheapest."""
+    num_sightings, num_objects = squared_distance.shape
+    choices = list(range(num_objects)) + [-1] * num_sightings
+    leave_out = 1e9 if np.isinf(gate) else gate
+    cost = np.column_stack([squared_distance, np.full(num_sightings, leave_out)])
+    rows = np.arange(num_sightings)
+    return np.array(min(set(permutations(choices, num_sightings)), key=lambda each: cost[rows, list(each)].sum()))
+
+
+def _nearest(squared_distance: np.ndarray, gate: float) -> np.ndarray:
+    return np.where(squared_distance.min(axis=1) < gate, squared_distance.argmin(axis=1), -1)
+
+
+def _greedy(squared_distance: np.ndarray, gate: float) -> np.ndarray:
+    left, chosen = squared_distance.copy(), []
+    for k in range(len(left)):
+        j = int(left[k].argmin())
+        chosen.append(j if left[k, j] < gate else -1)
+        if chosen[-1] >= 0:
+            left[:, j] = np.inf
+    return np.array(chosen)
+
+
+def _thrown_away(squared_distance: np.ndarray, gate: float) -> np.ndarray:
+    chosen = _best(squared_distance, np.inf)
+    cost = np.column_stack([squared_distance, np.zeros(len(chosen))])[np.arange(len(chosen)), chosen]
+    return np.where(cost < gate, chosen, -1)
+
+
+def _covariance(rng: np.random.Generator, size: int) -> np.ndarray:
+    root = rng.normal(size=(size, size))
+    return root @ root.T + 0.1 * np.eye(size)
+
+
+def _judge(name: str, function: Callable, trials: list, truth: Callable, mistakes: dict, praise: str) -> Verdict:
+    """Run all trials, and name the mistake that explains every answer."""
+    answers = []
+    for trial in trials:
+        answer, verdict = answer_of(function, *(np.array(each) if np.ndim(each) else each for each in trial))
+        if verdict is None:
+            answer, verdict = as_array(name, answer, np.shape(truth(*trial)))
+        if verdict is not None:
+            return verdict
+        answers.append(answer)
+    if _alike(answers, trials, truth):
+        return right(praise)
+    for message, mistake in mistakes.items():
+        if _alike(answers, trials, mistake):
+            return wrong(message)
+    off = next(trial for answer, trial in zip(answers, trials, strict=True) if not np.allclose(answer, truth(*trial)))
+    shown = ", ".join(
+        np.array2string(np.round(each, 2), separator=", ").replace("\n", "") for each in map(np.array, off)
+    )
+    return wrong(f"{name} is off, for example for {shown}")
+
+
+def _alike(answers: list, trials: list, other: Callable) -> bool:
+    return all(np.allclose(answer, other(*trial)) for answer, trial in zip(answers, trials, strict=True))

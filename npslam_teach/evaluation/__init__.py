@@ -1,0 +1,28 @@
+"""How good is an estimate?
+
+With the truth: ``metrics`` and ``clustering``. Against its own claims: ``consistency``. Without any truth:
+``map_quality``.
+"""
+
+from npslam_teach.evaluation.clustering import compare_partitions, copies_of, singletons_for_unassigned
+from npslam_teach.evaluation.consistency import chi2_per_dof, share_inside, share_within, true_association_fit, windows
+from npslam_teach.evaluation.map_quality import MapQuality, map_quality, position_variance, valid_only
+from npslam_teach.evaluation.metrics import Metrics, distances_to_truth, evaluate
+
+__all__ = [
+    "Metrics",
+    "MapQuality",
+    "chi2_per_dof",
+    "compare_partitions",
+    "copies_of",
+    "distances_to_truth",
+    "evaluate",
+    "position_variance",
+    "map_quality",
+    "share_inside",
+    "share_within",
+    "singletons_for_unassigned",
+    "true_association_fit",
+    "valid_only",
+    "windows",
+]

@@ -1,0 +1,67 @@
+"""Do the errors have the size that an estimate claims for them? chi2 per degree of freedom, NIS and ellipses.
+
+A consistent estimate has chi2 near its degrees of freedom, and a share p of its errors inside its p-ellipses
+(Bar-Shalom, Li and Kirubarajan, "Estimation with Applications to Tracking and Navigation", 2001, section 5.4).
+"""
+
+import numpy as np
+
+from npslam_teach.association import without_empty_objects
+from npslam_teach.pose_graph import chi2, fit
+from npslam_teach.types import GroundTruth, PoseGraph, RobotLog
+
+
+def true_association_fit(log: RobotLog, truth: GroundTruth) -> PoseGraph:
+    """The pose graph that somebody who knows every identity would get: the best any method can do with this log.
+
+    Its objects are those that were seen, in the order of the world; it starts at the true first pose.
+    """
+    labels = without_empty_objects(truth.obs_object, truth.world.object_xy).labels
+    return fit(log, labels, truth.poses)
+
+
+def chi2_per_dof(graph: PoseGraph) -> float:
+    """chi2 over its degrees of freedom, measured numbers minus unknowns: near 1 when model and data agree.
+
+    NaN where nothing is left over, as when every observation is an object of its own.
+    """
+    measured = 3 * len(graph.between.i) + 2 * len(graph.observations.pose)
+    unknown = 3 * (len(graph.poses) - 1) + 2 * len(graph.landmarks)
+    return chi2(graph) / (measured - unknown) if measured > unknown else float("nan")
+
+
+def share_within(radius: float) -> float:
+    """The share of right matches within a Mahalanobis distance: chi-squared, 2 degrees of freedom."""
+    return float(-np.expm1(-(radius**2) / 2))
+
+
+def windows(nis: np.ndarray, nis_dof: np.ndarray, window: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Frames taken together in windows, those without any match dropped.
+
+    Args:
+        nis: (T,) NaN without any match.
+        nis_dof: (T,).
+        window: frames.
+
+    Returns:
+        (W,) the middle of each window; (W,) its sum of NIS over its degrees of freedom; (W,) these.
+    """
+    starts = np.arange(0, len(nis), window)
+    total, dof = np.add.reduceat(np.nan_to_num(nis), starts), np.add.reduceat(nis_dof, starts)
+    ends = np.minimum(starts + window, len(nis))
+    used = dof > 0
+    return (starts + ends - 1)[used] / 2, total[used] / dof[used], dof[used]
+
+
+def share_inside(xy: np.ndarray, mean: np.ndarray, cov: np.ndarray, share: float = 0.95) -> float:
+    """The share of points that really lie inside the ellipse of ``ellipse_points``.
+
+    Args:
+        xy: (N, 2) m.
+        mean: (2,) m.
+        cov: (2, 2) m^2, of full rank.
+        share: p, the probability that the ellipse promises.
+    """
+    off = xy - np.asarray(mean)
+    squared = np.sum(off * np.linalg.solve(cov, off.T).T, axis=1)
+    return float(np.mean(squared < -2 * np.log(1 - share)))

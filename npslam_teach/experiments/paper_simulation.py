@@ -1,0 +1,137 @@
+"""The paper's simulation, run with every method over one or many seeds (paper section V.A; deck figures 14 to 17)."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from npslam_teach import simulate
+from npslam_teach.evaluation import chi2_per_dof, distances_to_truth, true_association_fit
+from npslam_teach.experiments.runs import Run, run_method, run_summary
+from npslam_teach.types import GroundTruth, RobotLog, Snapshot
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """One noisy run through a world, and how to tell it from the others."""
+
+    name: str
+    seed: int
+    noise: float
+    log: RobotLog
+    truth: GroundTruth
+
+
+def scenes(data: str | None, noise: float, seeds: Iterable[int]) -> Iterator[Scene]:
+    """The runs to compare: our own scene drawn anew for every seed, or a log from a file with noise added.
+
+    Args:
+        data: a log with truth, or None for ``simulate.fifteen_objects``.
+        noise: 1 is the paper's; see ``simulate.add_noise``.
+        seeds: one run each.
+
+    Raises:
+        ValueError: when the file holds no truth, or the noise is negative.
+    """
+    simulate.paper_sensor(noise)  # refuses a noise that makes no sense before any file is read
+    if data is None:
+        return (Scene("fifteen_objects", s, noise, *simulate.fifteen_objects(s, noise)) for s in seeds)
+    from npslam_teach import datasets
+
+    log, truth = datasets.load_log(data)
+    if truth is None:
+        raise ValueError(f"{data}: expected a log with the true poses and objects, got one without")
+    name = Path(data).name
+    return (Scene(name, s, noise, simulate.add_noise(log, noise, np.random.default_rng(s)), truth) for s in seeds)
+
+
+def run_all(
+    scenes: Iterable[Scene], methods: list[str], iterations: int, num_scenes: int
+) -> tuple[dict, Scene, dict[str, Run]]:
+    """Run every method on every scene.
+
+    Args:
+        scenes: the runs.
+        methods: names from ``methods.METHODS``.
+        iterations: alternations of the NP-graph at most.
+        num_scenes: how many there are, for the progress bar.
+
+    Returns:
+        the result as ``--json`` prints it; the first scene and its runs by method, for the figures.
+    """
+    from tqdm import tqdm
+
+    rows, first = [], None
+    for scene in tqdm(scenes, total=num_scenes, desc="reproduce", unit="run", delay=2, leave=False):
+        runs = {}
+        for method in methods:
+            settings = {"iterations": iterations} if method == "np-graph" else {}
+            runs[method] = run_method(method, scene.log, settings)
+            identity = {"seed": scene.seed, "noise": scene.noise}
+            rows.append(identity | run_summary(runs[method], scene.truth))
+        first = first or (scene, runs)
+    scene, runs = first
+    result = {
+        "scene": describe(scene),
+        "iterations_at_most": iterations,
+        "iterations": [],
+        "runs": rows,
+        "summary": summarize(rows, methods),
+    }
+    if "np-graph" in runs:
+        result["iterations"] = [iteration_row(snapshot, scene.truth) for snapshot in runs["np-graph"].snapshots]
+    return result, scene, runs
+
+
+def describe(scene: Scene) -> dict:
+    """The numbers that a reader wants before anything else."""
+    path = scene.truth.poses[:, :2]
+    return {
+        "name": scene.name,
+        "seed": scene.seed,
+        "noise": scene.noise,
+        "num_poses": scene.log.num_poses,
+        "num_observations": scene.log.num_observations,
+        "num_objects": len(np.unique(scene.truth.obs_object[scene.truth.obs_object >= 0])),
+        "num_classes": scene.log.num_classes,
+        "path_length": float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum()),
+        "chi2_per_dof_true_association": chi2_per_dof(true_association_fit(scene.log, scene.truth)),
+    }
+
+
+def iteration_row(snapshot: Snapshot, truth: GroundTruth) -> dict:
+    """One line of the iteration table."""
+    return {
+        "iteration": snapshot.iteration,
+        "num_objects": snapshot.num_objects,
+        "chi2": snapshot.chi2,
+        "objective": snapshot.objective,
+        "mean_pose_error": float(distances_to_truth(snapshot, truth)[0].mean()),
+    }
+
+
+def summarize(rows: list[dict], methods: list[str]) -> dict:
+    """Medians over the seeds, and the share of runs that found exactly the true number of objects."""
+    summary = {}
+    for method in methods:
+        own = [row for row in rows if row["method"] == method]
+        metrics = [row["metrics"] for row in own]
+        counts = np.array([[_count_after(row, k) for k in range(4)] for row in own])
+        found = np.array([m["num_objects"] == m["num_objects_true"] for m in metrics])
+        after_five = [_count_after(row, 5) == row["metrics"]["num_objects_true"] for row in own]
+        medians = {f"median_{name}": float(np.median([m[name] for m in metrics])) for name in metrics[0]}
+        summary[method] = medians | {
+            "num_runs": len(own),
+            "num_exact": int(found.sum()),
+            "share_exact": float(found.mean()),
+            "share_exact_after_five": float(np.mean(after_five)),
+            "median_counts_per_iteration": np.median(counts, axis=0).tolist(),
+        }
+    return summary
+
+
+def _count_after(row: dict, iteration: int) -> int:
+    """The number of objects after an iteration; a method that stopped earlier keeps its last."""
+    counts = row["counts_per_iteration"]
+    return counts[min(iteration, len(counts) - 1)]

@@ -1,0 +1,48 @@
+"""Every method of the package, each in one record: what it is called, how it is drawn, what it can be asked for."""
+
+import inspect
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from npslam_teach.methods.ekf_slam import ekf_slam
+from npslam_teach.methods.frame_by_frame import frame_by_frame
+from npslam_teach.methods.np_graph import np_graph
+from npslam_teach.methods.open_loop import open_loop
+from npslam_teach.methods.robust_slam import robust_slam
+from npslam_teach.types import RobotLog, Snapshot
+
+
+@dataclass(frozen=True)
+class Method:
+    """A method by its name; calling it runs it."""
+
+    name: str  # on the command line and in tables
+    function: Callable[..., Iterator[Snapshot]]
+    style: dict  # of its lines in every picture: colour, line and marker in matplotlib's words
+    has_objective: bool = False  # whether it lowers ``association.objective``
+    in_paper: bool = True  # whether the paper compares it
+
+    def __call__(self, log: RobotLog, **settings) -> Iterator[Snapshot]:
+        """Run it on a log; see its function for the settings."""
+        return self.function(log, **settings)
+
+    @property
+    def settings(self) -> dict:
+        """What it can be asked for besides the log, with the defaults, in the order of its signature."""
+        parameters = list(inspect.signature(self.function).parameters.values())[1:]
+        return {parameter.name: parameter.default for parameter in parameters}
+
+
+_ALL = (
+    Method("np-graph", np_graph, {"color": "#00659f", "linestyle": "-", "marker": "o"}, has_objective=True),
+    Method("robust-slam", robust_slam, {"color": "#d45e00", "linestyle": "-.", "marker": "s"}),
+    Method("open-loop", open_loop, {"color": "#712553", "linestyle": "--", "marker": "D"}),
+    # Its trajectory is open loop's, so that their curves coincide: a wide line shows on both sides of the dashed one.
+    Method(
+        "frame-by-frame",
+        frame_by_frame,
+        {"color": "#38ba8d", "linestyle": "-", "marker": "^", "linewidth": 6.0, "zorder": 1.8},
+    ),
+    Method("ekf", ekf_slam, {"color": "#ddd32e", "linestyle": (0, (6, 1)), "marker": "v"}, in_paper=False),
+)
+METHODS = {method.name: method for method in _ALL}

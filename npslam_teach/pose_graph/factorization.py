@@ -1,0 +1,129 @@
+"""Solving ``H x = rhs`` again and again for one pattern of H: whatever depends on the pattern alone is done once.
+
+`qdldl`, a small library for sparse symmetric systems, is used where it is installed; SciPy's SuperLU otherwise. Both
+give the same solution up to rounding.
+"""
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+
+from npslam_teach.pose_graph.block_sparsity import BlockStructure
+
+SINGULAR = "expected factors that determine every pose and landmark, but H is singular"
+Solve = Callable[[np.ndarray], np.ndarray]
+
+
+@cache
+def has_qdldl() -> bool:
+    """Whether the faster of the two libraries can be imported."""
+    from importlib.util import find_spec
+
+    return find_spec("qdldl") is not None
+
+
+def factorizer(structure: BlockStructure, library: str | None = None) -> Callable[[np.ndarray], Solve]:
+    """Prepare for matrices of one structure.
+
+    Args:
+        structure: their pattern.
+        library: "qdldl" or "superlu"; None takes the faster one that is installed.
+
+    Returns:
+        a function that factorises the matrix of some ``data`` (nnz,) and returns ``solve``: (n,) or (n, k) right-hand
+        sides to solutions. A ``solve`` is good until the next matrix is factorised; asking again for the latest one
+        costs nothing. Both raise
+        ``numpy.linalg.LinAlgError`` where the matrix turns out to be singular.
+    """
+    if library is None:
+        library = "qdldl" if has_qdldl() else "superlu"
+    if library not in ("qdldl", "superlu"):
+        raise ValueError(f"library: expected qdldl or superlu, got {library!r}")
+    factorize = {"qdldl": _Qdldl, "superlu": _SuperLU}[library](structure)
+    latest: list = [None, None]
+
+    def factorize_once(data: np.ndarray) -> Solve:
+        if data is not latest[0]:
+            latest[:] = data, factorize(data)
+        return latest[1]
+
+    return factorize_once
+
+
+class _Qdldl:
+    """L D L^T of the upper triangle; the library finds its own fill-reducing order, once."""
+
+    def __init__(self, structure: BlockStructure):
+        self._upper = structure.upper(np.zeros(len(structure.indices)))
+        self._diagonal = structure.diagonal
+        self._solver = None
+
+    def __call__(self, data: np.ndarray) -> Solve:
+        import qdldl
+
+        self._upper.data = data
+        if self._solver is not None:
+            self._solver.update(self._upper, upper=True)
+            return self._checked_solve
+        try:
+            self._solver = qdldl.Solver(self._upper, upper=True)
+        except RuntimeError:  # a pivot is exactly zero
+            raise np.linalg.LinAlgError(SINGULAR) from None
+        return self._solve
+
+    def _solve(self, rhs: np.ndarray) -> np.ndarray:
+        columns = [self._solver.solve(column) for column in np.atleast_2d(rhs.T)]
+        return _finite(np.stack(columns, axis=1).reshape(rhs.shape))
+
+    def _checked_solve(self, rhs: np.ndarray) -> np.ndarray:
+        """Solve, and look at what is left over: of a pivot that is exactly zero, `update` says nothing."""
+        x = self._solve(rhs)
+        product = self._upper @ x + self._upper.T @ x - (self._upper.data[self._diagonal] * x.T).T
+        size = np.abs(rhs).max() + np.abs(self._upper.data).max() * np.abs(x).max()
+        if not np.abs(product - rhs).max() <= 1e-8 * size:
+            self._solver = None
+            raise np.linalg.LinAlgError(SINGULAR)
+        return x
+
+
+class _SuperLU:
+    """L U of the whole matrix, its unknowns in the structure's elimination order."""
+
+    def __init__(self, structure: BlockStructure):
+        self._order = structure.elimination_order
+        # The same steps carry the places of the numbers to where the numbers will have to go.
+        places = structure.matrix(np.arange(1.0, len(structure.indices) + 1))
+        self._matrix = places[self._order][:, self._order].tocsc()
+        self._matrix.sort_indices()
+        self._source = self._matrix.data.astype(np.int64) - 1
+
+    def __call__(self, data: np.ndarray) -> Solve:
+        from scipy.sparse.linalg import splu
+
+        self._matrix.data = data[self._source]
+        try:
+            # H is symmetric and already ordered: no pivoting, and panels of one column suit its short columns.
+            factors = splu(
+                self._matrix,
+                permc_spec="NATURAL",
+                diag_pivot_thresh=0.0,
+                panel_size=1,
+                relax=1,
+                options={"SymmetricMode": True},
+            )
+        except RuntimeError:  # "Factor is exactly singular"
+            raise np.linalg.LinAlgError(SINGULAR) from None
+
+        def solve(rhs: np.ndarray) -> np.ndarray:
+            solution = np.empty_like(rhs)
+            solution[self._order] = factors.solve(rhs[self._order])
+            return _finite(solution)
+
+        return solve
+
+
+def _finite(solution: np.ndarray) -> np.ndarray:
+    if not np.isfinite(solution).all():
+        raise np.linalg.LinAlgError(SINGULAR)
+    return solution

@@ -1,0 +1,1 @@
+"""What must work before anything is installed: the course's environment, files, and Ctrl-C."""

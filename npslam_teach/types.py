@@ -1,0 +1,207 @@
+"""The types that travel between the modules: frozen dataclasses of plain arrays, checked when they are made.
+
+Frames: W is the world, R_t the robot at time t. Metres and radians. A pose is ``[x, y, theta]`` of R_t in W.
+Arrays are copied to float64 (or int64) and made read-only, so nothing changes behind anybody's back.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from npslam_teach.validation import checked_array, require_positive, require_range, require_semidefinite
+
+
+def _set(instance, name: str, shape: tuple, dtype=float) -> None:
+    object.__setattr__(instance, name, checked_array(name, getattr(instance, name), shape, dtype))
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """What is really out there: object centres in W and their classes."""
+
+    object_xy: np.ndarray  # (K, 2) m, W
+    object_class: np.ndarray  # (K,) in [0, C)
+    class_names: tuple  # C names
+
+    def __post_init__(self):
+        object.__setattr__(self, "class_names", tuple(str(name) for name in self.class_names))
+        _set(self, "object_xy", (None, 2))
+        _set(self, "object_class", (len(self.object_xy),), int)
+        require_range("object_class", self.object_class, 0, len(self.class_names), "a class index")
+
+
+@dataclass(frozen=True, eq=False)
+class SensorModel:
+    """How odometry and the object detector err; the simulator draws from it.
+
+    ``class_confusion[c]`` is the distribution of the reported class when the true class is c (identity when None is
+    given to ``simulate``). ``clutter_rate`` is the expected number of false detections per pose.
+    """
+
+    odometry_std: np.ndarray  # (3,) m, m, rad per step
+    observation_std: np.ndarray  # (2,) m
+    max_range: float  # m
+    field_of_view: float  # rad, full opening angle
+    class_confusion: np.ndarray | None = None  # (C, C), rows sum to one
+    detection_probability: float = 1.0
+    clutter_rate: float = 0.0
+
+    def __post_init__(self):
+        _set(self, "odometry_std", (3,))
+        _set(self, "observation_std", (2,))
+        for name in ("odometry_std", "observation_std"):
+            if (getattr(self, name) < 0).any():
+                raise ValueError(f"{name}: expected non-negative numbers, got {getattr(self, name).tolist()}")
+        for name in ("max_range", "field_of_view", "clutter_rate"):
+            if not (np.isfinite(getattr(self, name)) and getattr(self, name) >= 0):
+                raise ValueError(f"{name}: expected a non-negative number, got {getattr(self, name)}")
+        if not 0 <= self.detection_probability <= 1:
+            raise ValueError(f"detection_probability: expected a number in [0, 1], got {self.detection_probability}")
+        if self.class_confusion is not None:
+            self._check_confusion()
+
+    def _check_confusion(self):
+        num_classes = len(self.class_confusion)
+        _set(self, "class_confusion", (num_classes, num_classes))
+        if (self.class_confusion < 0).any() or not np.allclose(self.class_confusion.sum(axis=1), 1.0):
+            raise ValueError("class_confusion: expected rows of probabilities that sum to one")
+
+
+@dataclass(frozen=True, eq=False)
+class RobotLog:
+    """All that an estimator may see. It holds no identity and no truth."""
+
+    odometry: np.ndarray  # (T-1, 3), R_{t+1} in R_t: m, m, rad
+    obs_time: np.ndarray  # (M,) index of the pose that saw it, in [0, T)
+    obs_xy: np.ndarray  # (M, 2) m, the object's centre in R_t
+    obs_class: np.ndarray  # (M,) the detector's most likely class, in [0, num_classes)
+    num_classes: int
+    odometry_std: np.ndarray  # (3,) m, m, rad
+    observation_std: np.ndarray  # (2,) m
+
+    def __post_init__(self):
+        _set(self, "odometry", (None, 3))
+        _set(self, "obs_time", (None,), int)
+        _set(self, "obs_xy", (len(self.obs_time), 2))
+        _set(self, "obs_class", (len(self.obs_time),), int)
+        _set(self, "odometry_std", (3,))
+        _set(self, "observation_std", (2,))
+        if int(self.num_classes) != self.num_classes or self.num_classes < 1:
+            raise ValueError(f"num_classes: expected a positive integer, got {self.num_classes}")
+        object.__setattr__(self, "num_classes", int(self.num_classes))
+        require_range("obs_time", self.obs_time, 0, self.num_poses, "the index of a pose")
+        require_range("obs_class", self.obs_class, 0, self.num_classes, "a class index")
+        require_positive("odometry_std", self.odometry_std)
+        require_positive("observation_std", self.observation_std)
+
+    @property
+    def num_poses(self) -> int:
+        """T, one more than there are odometry steps."""
+        return len(self.odometry) + 1
+
+    @property
+    def num_observations(self) -> int:
+        """M."""
+        return len(self.obs_time)
+
+
+@dataclass(frozen=True, eq=False)
+class GroundTruth:
+    """What really happened. Only ``evaluate`` and ``plotting`` may look at it."""
+
+    world: World
+    poses: np.ndarray  # (T, 3) W
+    obs_object: np.ndarray  # (M,) index into the world's objects; -1 = clutter
+
+    def __post_init__(self):
+        _set(self, "poses", (None, 3))
+        _set(self, "obs_object", (None,), int)
+        require_range("obs_object", self.obs_object, -1, len(self.world.object_xy), "an object index (-1 = clutter)")
+
+
+@dataclass(frozen=True, eq=False)
+class BetweenFactors:
+    """E measurements of pose j in the frame of pose i: odometry steps and loop closures."""
+
+    i: np.ndarray  # (E,)
+    j: np.ndarray  # (E,)
+    relative_pose: np.ndarray  # (E, 3) R_j in R_i
+    information: np.ndarray  # (E, 3, 3)
+
+    def __post_init__(self):
+        _set(self, "i", (None,), int)
+        num_factors = len(self.i)
+        _set(self, "j", (num_factors,), int)
+        _set(self, "relative_pose", (num_factors, 3))
+        _set(self, "information", (num_factors, 3, 3))
+        require_semidefinite("information", self.information)
+        if (self.i == self.j).any():
+            raise ValueError(f"j: expected a pose other than i, got i = j = {self.i[self.i == self.j][0]}")
+
+
+@dataclass(frozen=True, eq=False)
+class ObservationFactors:
+    """M measurements of a landmark's position in the frame of a pose."""
+
+    pose: np.ndarray  # (M,)
+    landmark: np.ndarray  # (M,)
+    xy: np.ndarray  # (M, 2) m, R_pose
+    information: np.ndarray  # (M, 2, 2)
+
+    def __post_init__(self):
+        _set(self, "pose", (None,), int)
+        num_factors = len(self.pose)
+        _set(self, "landmark", (num_factors,), int)
+        _set(self, "xy", (num_factors, 2))
+        _set(self, "information", (num_factors, 2, 2))
+        require_semidefinite("information", self.information)
+
+
+@dataclass(frozen=True, eq=False)
+class PoseGraph:
+    """Estimates of poses and landmarks, and the factors that tie them together."""
+
+    poses: np.ndarray  # (T, 3) W
+    landmarks: np.ndarray  # (K, 2) m, W
+    between: BetweenFactors
+    observations: ObservationFactors
+
+    def __post_init__(self):
+        _set(self, "poses", (None, 3))
+        _set(self, "landmarks", (None, 2))
+        if len(self.poses) == 0:
+            raise ValueError("poses: expected at least one pose, got none")
+        for name, index, high, what in (
+            ("between.i", self.between.i, len(self.poses), "the index of a pose"),
+            ("between.j", self.between.j, len(self.poses), "the index of a pose"),
+            ("observations.pose", self.observations.pose, len(self.poses), "the index of a pose"),
+            (
+                "observations.landmark",
+                self.observations.landmark,
+                len(self.landmarks),
+                "the index of a landmark",
+            ),
+        ):
+            require_range(name, index, 0, high, what)
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """One iteration of a method: who is who, and where everything is."""
+
+    iteration: int
+    labels: np.ndarray  # (M,) index of the object; -1 = used by no object
+    votes: np.ndarray  # (K, C+1); column 0 is the false-positive vote
+    graph: PoseGraph
+    chi2: float
+    objective: float | None  # None where the method lowers no such number
+
+    def __post_init__(self):
+        _set(self, "labels", (None,), int)
+        _set(self, "votes", (len(self.graph.landmarks), None))
+        require_range("labels", self.labels, -1, len(self.votes), "an object index (-1 = none)")
+
+    @property
+    def num_objects(self) -> int:
+        """K."""
+        return len(self.votes)

@@ -1,0 +1,433 @@
+"""Lesson 06: the descent, its pictures and explorers, and the checks of its exercises."""
+
+import math
+from pathlib import Path
+
+import nbformat
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from partitions import partitions
+
+from npslam_teach import evaluation, np_graph, optimize, plotting, pose_graph, se2, simulate, sweep
+from npslam_teach.association import all_partitions, objective
+from npslam_teach.course.alternation import checks, false_positives_explorer, pictures
+from npslam_teach.course.alternation import explorer as alternation_explorer
+from npslam_teach.course.alternation import figures as figures06
+from npslam_teach.course.checking import BLANK
+from npslam_teach.methods.np_graph import CONSISTENT_STD, half_steps
+from npslam_teach.methods.snapshots import snapshot
+from npslam_teach.pose_graph import with_associations
+
+SOLUTIONS = Path(__file__).parents[2] / "notebooks" / "solutions" / "06_solutions.ipynb"
+
+
+@pytest.fixture(scope="module")
+def toy():
+    return simulate.toy_objects()
+
+
+@pytest.fixture(scope="module")
+def toy_run(toy):
+    log, _ = toy
+    return list(np_graph(log, alpha=0.5, odometry_std=log.odometry_std, observation_std=log.observation_std))
+
+
+@pytest.fixture(scope="module")
+def room():
+    return simulate.fifteen_objects()
+
+
+@pytest.fixture(scope="module")
+def solutions():
+    """Every name that the solutions define."""
+    names = {}
+    for cell in nbformat.read(SOLUTIONS, as_version=4).cells:
+        if {"setup", "exercise-1", "exercise-2", "exercise-3", "exercise-4"} & set(cell.metadata.get("tags", [])):
+            exec(cell.source, names)
+    return names
+
+
+# --- the descent -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_every_half_step_lowers_the_objective(seed):
+    steps = half_steps(simulate.fifteen_objects(seed)[0])
+    assert len(steps) % 2 == 1
+    assert [step.iteration for step in steps] == list(range(len(steps)))
+    assert np.diff([step.objective for step in steps]).max() < 1e-6
+
+
+def test_half_steps_are_the_rounds_of_np_graph(room):
+    log, _ = room
+    steps = half_steps(log)
+    rounds = list(np_graph(log, iterations=10, observation_std=CONSISTENT_STD))
+    assert [step.num_objects for step in steps[::2]] == [snapshot.num_objects for snapshot in rounds]
+    assert steps[-1].objective == pytest.approx(rounds[-1].objective)
+    for sweep_step, solver_step in zip(steps[1::2], steps[2::2], strict=True):
+        np.testing.assert_array_equal(sweep_step.labels, solver_step.labels)
+
+
+def test_groupings_are_the_partitions_of_one_class_each():
+    classes = [0, 1, 0, 0, 1]
+    pure = [p for p in partitions(5) if len({(i, classes[k]) for k, i in enumerate(p)}) == max(p) + 1]
+    assert sorted(all_partitions(classes)) == sorted(pure)
+    assert [sum(1 for _ in all_partitions([0] * n)) for n in range(6)] == [1, 1, 2, 5, 15, 52]
+
+
+def fitted(log, labels, std, poses=None):
+    return snapshot(log, 0, labels, pose_graph.fit(log, labels, poses, observation_std=std), 0.5)
+
+
+def test_another_start_pose_shifts_everything_and_leaves_the_fit_alone(toy):
+    log, _ = toy
+    labels = [0, 1, 2, 0, 1, 2, 3, 4]
+    best = fitted(log, labels, (0.05, 0.05))
+    assert best.objective == pytest.approx(objective(pose_graph.chi2(best.graph), best.votes, 0.5))
+    assert optimize(best.graph).poses == pytest.approx(best.graph.poses, abs=1e-6)
+    elsewhere = fitted(log, labels, (0.05, 0.05), best.graph.poses + [[0.1, -0.1, 0.02]])
+    assert elsewhere.objective == pytest.approx(best.objective)
+
+
+def test_what_the_lesson_says_of_the_toys_valleys(toy):
+    log, _ = toy
+    ways = list(all_partitions(log.obs_class.tolist()))
+    truth, one_chair = [0, 1, 2, 0, 1, 2, 3, 4], [0, 0, 1, 0, 0, 1, 2, 3]
+    for std, best in ((CONSISTENT_STD, one_chair), ((0.05, 0.05), truth)):
+        numbers = [fitted(log, way, std).objective for way in ways]
+        assert ways[int(np.argmin(numbers))] == best
+
+
+# --- the pictures ----------------------------------------------------------------------------------------------------
+
+
+def texts_inside(figure):
+    """Every visible text lies in the figure."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    renderer, box = canvas.get_renderer(), figure.bbox
+    for ax in figure.axes:
+        for text in [*ax.texts, ax.title, ax.xaxis.label, ax.yaxis.label]:
+            if text.get_text() and text.get_visible():
+                extent = text.get_window_extent(renderer)
+                assert extent.x0 >= box.x0 - 1 and extent.x1 <= box.x1 + 1, text.get_text()
+                assert extent.y0 >= box.y0 - 1 and extent.y1 <= box.y1 + 1, text.get_text()
+                assert text.get_fontsize() >= 11
+
+
+def apart(ax):
+    """No two names on a map lie on each other."""
+    canvas = FigureCanvasAgg(ax.figure)
+    canvas.draw()
+    renderer = canvas.get_renderer()
+    boxes = [text.get_window_extent(renderer) for text in ax.texts if text.get_visible()]
+    for k, box in enumerate(boxes):
+        assert not any(box.overlaps(other) for other in boxes[:k])
+
+
+def axis_labels(ax):
+    return ax.get_xlabel(), ax.get_ylabel()
+
+
+def test_names_of_objects_list_their_sightings():
+    assert pictures.member_names(np.array([0, 1, -1, 0, 1])) == ["Obj_1+4", "Obj_2+5"]
+    assert pictures.member_names(np.array([-1, -1])) == []
+
+
+def test_the_map_of_belonging_ties_each_sighting_to_its_object(toy, toy_run):
+    log, truth = toy
+    figure, axes = plotting.new_figure(1, 2, (13, 4.4), sharey=True)
+    steps = half_steps(log, 0.5, log.observation_std, 1, log.odometry_std)
+    for ax, now in zip(axes, steps[1:], strict=True):
+        xy = se2.apply(now.graph.poses[log.obs_time], log.obs_xy)
+        pictures.plot_belonging(ax, now, log, xy, truth)
+        ties = [line for line in ax.lines if line.get_color() == pictures.TIE["color"]]
+        ends = np.array([line.get_xydata() for line in ties])
+        np.testing.assert_allclose(ends, np.stack([xy, now.graph.landmarks[now.labels]], axis=1))
+        assert axis_labels(ax) == ("x (m)", "y (m)") and ax.get_aspect() == 1.0
+    assert {text.get_text() for text in axes[0].texts} == {f"Obj_{k}" for k in range(1, 9)}
+    assert {text.get_text() for text in axes[1].texts} == {"Obj_1+4", "Obj_2+5", "Obj_3+6", "Obj_7", "Obj_8"}
+    texts_inside(figure)
+    for ax in axes:
+        apart(ax)
+
+
+def test_half_steps_alternate_between_two_markers():
+    figure, ax = plotting.new_figure(size=(7, 4))
+    pictures.plot_half_steps(ax, [9.0, 5.0, 4.0, 3.0, 2.0])
+    curve, who, where, start = ax.lines
+    np.testing.assert_array_equal(curve.get_ydata(), [9, 5, 4, 3, 2])
+    np.testing.assert_array_equal(who.get_xydata(), [[1, 5], [3, 3]])
+    np.testing.assert_array_equal(where.get_xydata(), [[2, 4], [4, 2]])
+    assert len({who.get_marker(), where.get_marker(), start.get_marker()}) == 3
+    assert axis_labels(ax) == ("half-step (number)", "objective (nats)")
+    texts_inside(figure)
+
+
+def test_groupings_are_ranked_and_some_are_named():
+    figure, ax = plotting.new_figure()
+    pictures.plot_groupings(ax, [7.0, 3.0, 5.0, 90.0], {"truth": 2, "worst": 3}, "all of them")
+    assert [line.get_label() for line in ax.lines] == ["a grouping", "truth: 5.00", "worst: 90.00"]
+    np.testing.assert_array_equal(ax.lines[0].get_xdata(), [3, 1, 2, 4])
+    assert [line.get_xydata()[0].tolist() for line in ax.lines[1:]] == [[2.0, 5.0], [4.0, 90.0]]
+    assert "nats" in ax.get_ylabel()
+    texts_inside(figure)
+
+
+def test_split_objects_are_tied_to_their_true_place():
+    log, truth = simulate.fifteen_objects(0)
+    *_, last = np_graph(log, iterations=10)
+    copies = evaluation.copies_of(last, truth)
+    for true_object, found in copies.items():
+        for k in range(last.num_objects):
+            held = np.count_nonzero((last.labels == k) & (truth.obs_object == true_object))
+            assert (k in found) == (held >= 5)
+    figure, ax = plotting.new_figure(size=(8.5, 6.5))
+    pictures.plot_split_objects(ax, last, log, truth)
+    ties = [line for line in ax.lines if line.get_color() == pictures.TIE["color"]]
+    assert len(ties) == sum(len(found) for found in copies.values() if len(found) > 1) > 4
+    starts = np.array([line.get_xydata()[0] for line in ties])
+    assert all(np.isclose(truth.world.object_xy, start).all(axis=1).any() for start in starts)
+    assert ax.get_title().startswith(f"{last.num_objects} objects found")
+    texts_inside(figure)
+
+
+def test_the_vote_against_each_object(toy_run):
+    figure, ax = plotting.new_figure()
+    before = toy_run[-1]
+    pictures.plot_nothing_there(ax, before.votes, pictures.member_names(before.labels), 0.45)
+    np.testing.assert_allclose([bar.get_height() for bar in ax.patches], 1 / (before.votes[:, 1:].sum(axis=1) + 1))
+    assert ax.lines[0].get_ydata()[0] == 0.45
+    assert [text.get_text() for text in ax.get_xticklabels()] == ["Obj_1+4", "Obj_2+5", "Obj_3+6", "Obj_8", "Obj_7"]
+    assert "probability" in ax.get_ylabel()
+    texts_inside(figure)
+
+
+def test_figure_13_shows_what_its_text_says():
+    (entry,) = figures06.FIGURES
+    figure = entry.draw()
+    left, right = figure.axes
+    heights = sorted(bar.get_height() for bar in left.patches)
+    np.testing.assert_allclose(heights, [1 / 3, 1 / 3, 1 / 3, 1 / 2, 1 / 2])
+    crosses = next(line for line in right.lines if line.get_marker() == "x").get_xydata()
+    assert crosses.shape == (2, 2)
+    np.testing.assert_allclose(sorted(crosses.tolist()), [[0.5, 1.7], [0.6, 0.2]], atol=0.05)  # the ghost, the cup
+    assert right.get_title() == "3 objects remain"
+    assert right.get_aspect() == 1.0
+    assert "0.45" in entry.alt and len(entry.alt) > 60
+    texts_inside(figure)
+    apart(right)
+
+
+# --- the explorers ---------------------------------------------------------------------------------------------------
+
+
+def test_the_alternation_player_shows_every_half_step(room):
+    log, truth = room
+    explorer = alternation_explorer.explore_alternation(log, truth)
+    steps = half_steps(log)
+    left, middle, right = explorer.figure.axes
+    assert explorer.sliders["half_step"].max == len(steps) - 1
+    for k, step in enumerate(steps):
+        words = explorer.move(half_step=k)
+        assert f"{step.objective:.1f}" in words
+        if k % 2 or k == 0:
+            assert f"{step.num_objects}" in words
+        drawn = sum(len(c.get_offsets()) for c in left.collections[-log.num_classes :])
+        assert drawn == step.num_objects
+        assert middle.lines[-1].get_xydata().tolist() == [[k, step.num_objects]]
+        assert right.lines[-1].get_xydata().tolist() == [[k, step.objective]]
+        title = "start" if k == 0 else ("who is who" if k % 2 else "where everything is")
+        assert left.get_title() == title
+    np.testing.assert_allclose(right.lines[0].get_ydata(), [step.objective for step in steps])
+    texts_inside(explorer.figure)
+
+
+def test_the_words_do_not_hide_a_rise(toy):
+    """A solver that believes less than the kernel may raise the number, and the caption must say so."""
+    log, _ = toy
+    order = half_steps(log, 0.5, rounds=2)
+    risen = [order[0], order[2], order[1]]
+    assert f"{order[2].objective:.1f} to {order[1].objective:.1f}" in alternation_explorer.words(risen, 2)
+
+
+def test_the_false_positive_slider_over_its_whole_range(toy, toy_run):
+    log, truth = toy
+    explorer = false_positives_explorer.explore_false_positives(log, truth)
+    left, right = explorer.figure.axes
+    slider = explorer.sliders["epsilon"]
+    for epsilon in np.arange(slider.min, slider.max + 0.001, 0.03).round(9):
+        words = explorer.move(epsilon=epsilon)
+        stays = [1 / (1 + m) <= epsilon for m in toy_run[-1].votes[:, 1:].sum(axis=1)]
+        assert f"{sum(stays)} of 5 objects remain" in words
+        assert f"{sum(stays)} of 5" in right.get_title()
+        crosses = next(line for line in right.lines if line.get_marker() == "x").get_xydata()
+        assert len(crosses) == 5 - sum(stays)
+        assert left.lines[0].get_ydata()[0] == epsilon
+        assert [bar.get_hatch() or "" for bar in left.patches] == ["" if stay else "xx" for stay in stays]
+        shown = {text.get_text() for text in right.texts if text.get_visible()}
+        assert all((name in words) != (name in shown) or not name for name in ("Obj_7", "Obj_8"))
+        assert [text.get_visible() for text in right.texts] == stays
+        apart(right)
+    assert "0.30 m" in explorer.move(epsilon=0.2)  # without objects the path is the wheels' again
+    texts_inside(explorer.figure)
+
+
+def test_below_one_half_the_cup_goes_with_the_ghost(toy):
+    explorer = false_positives_explorer.explore_false_positives(*toy)
+    assert "nothing is taken away" in explorer.move(epsilon=0.5)
+    words = explorer.move(epsilon=0.49)
+    assert "Obj_7" in words and "Obj_8" in words and "3 of 5 objects remain" in words
+
+
+@pytest.mark.parametrize("module", [alternation_explorer, false_positives_explorer])
+def test_errors_of_the_explorers_reach_the_student(module, toy, monkeypatch):
+    make = (
+        alternation_explorer.explore_alternation
+        if module is alternation_explorer
+        else false_positives_explorer.explore_false_positives
+    )
+    explorer = make(*toy)
+
+    def broken(*arguments):
+        raise RuntimeError("no words")
+
+    monkeypatch.setattr(module, "words", broken)
+    with pytest.raises(RuntimeError, match="no words"):
+        explorer.move(**{name: each.max for name, each in explorer.sliders.items()})
+
+
+# --- the checks ------------------------------------------------------------------------------------------------------
+
+NAMES = ("my_objective", "votes_of_others", "one_alternation", "kept")
+CHECKS = (
+    checks.check_objective,
+    checks.check_votes_of_others,
+    checks.check_one_alternation,
+    checks.check_kept,
+)
+
+
+@pytest.mark.parametrize(("check", "name"), list(zip(CHECKS, NAMES, strict=True)))
+def test_checks_accept_the_solution(check, name, solutions):
+    assert check(solutions[name]).passed
+
+
+@pytest.mark.parametrize("check", CHECKS)
+@pytest.mark.parametrize("blank", [..., None, lambda *arguments: ..., lambda *arguments: None])
+def test_checks_recognise_the_blank(check, blank):
+    verdict = check(blank)
+    assert not verdict.passed and verdict.message == BLANK
+
+
+@pytest.mark.parametrize("check", CHECKS)
+@pytest.mark.parametrize(
+    "answer", ["words", 3, np.nan, [], {}, object(), np.zeros((2, 2)), (1, 2), (np.zeros(24), None), [[1], [1, 2]]]
+)
+def test_checks_never_raise(check, answer):
+    assert not check(lambda *arguments: answer).passed
+    assert not check(lambda: answer).passed  # too few arguments
+    assert not check(answer).passed
+
+
+def crowds(votes, gamma=math.lgamma):
+    return sum(gamma(m) for m in votes[:, 1:].ravel() if m > 0)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "named"),
+    [
+        (lambda c, v, a, s: c - len(v) * math.log(a / s) - crowds(v), "chi2 is not halved"),
+        (lambda c, v, a, s: c / 2 - len(v) * math.log(a) - crowds(v), "area is missing"),
+        (lambda c, v, a, s: c / 2 + len(v) * math.log(a / s) - crowds(v), "sign of the alpha term"),
+        (lambda c, v, a, s: c / 2 - len(v) * math.log(a / s) + crowds(v), "sign of the log Gamma term"),
+        (lambda c, v, a, s: c / 2 - len(v) * math.log(a / s) - crowds(v, math.log), "not of m"),
+        (lambda c, v, a, s: c / 2 - len(v) * math.log(a / s) - crowds(v, lambda m: math.lgamma(m + 1)), "log m!"),
+        (lambda c, v, a, s: -(c / 2 - len(v) * math.log(a / s) - crowds(v)), "turned round"),
+        (lambda c, v, a, s: c / 2 - math.log(a / s) - crowds(v), "once for every object"),
+        (
+            lambda c, v, a, s: c / 2 - len(v) * math.log(a / s) - sum(math.lgamma(m) for m in v.ravel() if m > 0),
+            "column 0",
+        ),
+        (
+            lambda c, v, a, s: c / 2 - len(v) * math.log(a / s) - sum(map(math.lgamma, v[:, 1:].sum(axis=1))),
+            "added up first",
+        ),
+        (lambda c, v, a, s: c / 2 - len(v) * math.log(a / s) - sum(map(math.lgamma, v[:, 1:].ravel())), "stops with"),
+    ],
+)
+def test_mistakes_in_the_objective(wrong, named):
+    verdict = checks.check_objective(wrong)
+    assert not verdict.passed and named in verdict.message
+
+
+@pytest.mark.parametrize(
+    ("wrong", "named"),
+    [
+        (lambda k, y, u, n: np.bincount(y[u == u[k]], minlength=n), "nothing would ever move"),
+        (lambda k, y, u, n: np.bincount(np.delete(y, k), minlength=n), "only about its own class"),
+        (lambda k, y, u, n: np.bincount(y, minlength=n), "every class"),
+        (lambda k, y, u, n: np.bincount(y[(u == u[k]) & (y != y[k])], minlength=n), "all votes of its own object"),
+        (lambda k, y, u, n: np.bincount(y[u == u[k]], minlength=n) - 1, "from every object"),
+        (lambda k, y, u, n: np.bincount(y[u == u[k]], minlength=n + 1), "shape"),
+    ],
+)
+def test_mistakes_in_the_votes(wrong, named):
+    verdict = checks.check_votes_of_others(wrong)
+    assert not verdict.passed and named in verdict.message
+
+
+def one_round(log, graph, labels, alpha, std, poses=None, solve=True, answer=None):
+    poses = graph.poses if poses is None else poses
+    who = sweep(labels, graph.landmarks, se2.apply(poses[log.obs_time], log.obs_xy), log.obs_class, alpha)
+    tied = with_associations(log, graph, who.labels, who.landmarks, std)
+    new = optimize(tied) if solve else tied
+    return answer(who.labels, labels, new, graph) if answer else (who.labels, new)
+
+
+def variant(**changes):
+    return lambda *arguments: one_round(*arguments, **changes)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "named"),
+    [
+        (variant(answer=lambda new, old, solved, graph: (old, solved)), "no label has changed"),
+        (variant(answer=lambda new, old, solved, graph: (new, graph)), "the graph is the old one"),
+        (variant(solve=False), "the second half is missing"),
+        (
+            lambda log, graph, labels, alpha, std: one_round(
+                log, graph, labels, alpha, std, poses=se2.dead_reckoning(log.odometry)
+            ),
+            "along the wheels' path",
+        ),
+        (variant(answer=lambda new, old, solved, graph: new), "two things"),
+        (variant(answer=lambda new, old, solved, graph: (new, solved.poses)), "should be a graph"),
+        (
+            lambda log, graph, labels, alpha, std: one_round(log, graph, labels, alpha, (0.01, 0.01)),
+            "with observation_std",
+        ),
+        (lambda log, graph, labels, alpha, std: one_round(log, graph, labels, 0.8, std), "the labels differ"),
+    ],
+)
+def test_mistakes_in_the_alternation(wrong, named):
+    verdict = checks.check_one_alternation(wrong)
+    assert not verdict.passed and named in verdict.message
+
+
+@pytest.mark.parametrize(
+    ("wrong", "named"),
+    [
+        (lambda v, e: v[:, 0] / v.sum(axis=1) > e, "these are the objects that go"),
+        (lambda v, e: v[:, 0] / v.sum(axis=1) < e, "exactly at epsilon"),
+        (lambda v, e: v[:, 0] / v[:, 1:].sum(axis=1) <= e, "compared with the other votes"),
+        (lambda v, e: v[:, 0] <= e, "not yet a probability"),
+        (lambda v, e: v[:, 0] / v.sum() <= e, "votes of all objects"),
+        (lambda v, e: v[:, 1] / v.sum(axis=1) <= e, "column 1"),
+        (lambda v, e: np.ones(len(v), dtype=bool), "judged wrongly"),
+    ],
+)
+def test_mistakes_in_what_is_kept(wrong, named):
+    verdict = checks.check_kept(wrong)
+    assert not verdict.passed and named in verdict.message

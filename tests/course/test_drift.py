@@ -1,0 +1,275 @@
+"""Lesson 02: its pictures contain what they should, its slider tells the truth, its checks know the usual mistakes."""
+
+import itertools
+import re
+
+import nbformat
+import numpy as np
+import pytest
+from exercises import assert_accepts_the_solution_and_no_blank, assert_no_answer_breaks
+from matplotlib.text import Annotation
+
+from npslam_teach import dead_reckoning, evaluation, plotting, se2, simulate, toy_objects
+from npslam_teach.cli.commands import ROOT
+from npslam_teach.course.drift import checks, figures, pictures
+from npslam_teach.course.drift import explorer as drift_explorer
+from npslam_teach.plotting import uncertainty
+
+# --- exercises -------------------------------------------------------------------------------------------------------
+
+
+def solution(number):
+    """What the solutions notebook fills into exercise ``number``."""
+    notebook = nbformat.read(ROOT / "notebooks" / "solutions" / "02_solutions.ipynb", as_version=4)
+    names = {}
+    for cell in notebook.cells:
+        if cell.metadata.get("tags") in (["setup"], [f"exercise-{number}"]):
+            exec(cell.source, names)
+    return [value for name, value in names.items() if callable(value) and name not in ("checks",)][-1]
+
+
+CHECKS = {
+    1: checks.check_compose,
+    2: checks.check_between,
+    3: checks.check_dead_reckoning,
+    4: checks.check_to_world,
+    5: checks.check_sighting_covariance,
+}
+
+
+@pytest.mark.parametrize("number", CHECKS)
+def test_solutions_are_accepted_and_blanks_are_not(number):
+    assert_accepts_the_solution_and_no_blank(CHECKS[number], solution(number))
+
+
+@pytest.mark.parametrize("number", CHECKS)
+@pytest.mark.parametrize(
+    "answer",
+    ["text", {}, [], [[1], [1, 2]], np.nan, np.zeros((2, 2, 2)), [1, 2, 3, 4], object(), "1", np.full(3, np.inf), True],
+)
+def test_no_answer_breaks_a_check(number, answer):
+    assert_no_answer_breaks(CHECKS[number], answer)
+
+
+def rotation(theta):
+    return np.array([[np.cos(theta), -np.sin(theta)], [np.sin(theta), np.cos(theta)]])
+
+
+def pose_of(xy, theta):
+    return np.array([*xy, theta])
+
+
+def chained(odometry, start, step):
+    path = [start]
+    for each in odometry:
+        path.append(step(path[-1], each))
+    return np.array(path)
+
+
+def covariance(pose, cov, xy, std, swing=1.0, square=2, turn_camera=True):
+    turn = rotation(pose[2])
+    dx, dy = turn @ xy
+    by_pose = np.array([[1, 0, -swing * dy], [0, 1, swing * dx]])
+    camera = np.diag(std**square)
+    return by_pose @ cov @ by_pose.T + (turn @ camera @ turn.T if turn_camera else camera)
+
+
+WRONG = [
+    (1, lambda p, o: pose_of(p[:2] + rotation(p[2]) @ o[:2], p[2] + o[2]), "not wrapped"),
+    (1, lambda p, o: se2.compose(o, p), "wrong order"),
+    (1, lambda p, o: pose_of(p[:2] + o[:2], p[2] + o[2]), "nothing is turned"),
+    (1, lambda p, o: pose_of(p[:2] + rotation(-p[2]) @ o[:2], p[2] + o[2]), "wrong way round"),
+    (1, lambda p, o: pose_of(p[:2] + rotation(p[2]) @ o[:2], p[2]), "never turns"),
+    (1, lambda p, o: pose_of(p[:2] + rotation(p[2] + o[2]) @ o[:2], p[2] + o[2]), "new heading"),
+    (1, lambda p, o: se2.compose(p, o) + [0, 0, 0.1], "its angle is not"),
+    (1, lambda p, o: se2.compose(p, o) + [0.1, 0, 0], "the position of your pose is off"),
+    (1, lambda p, o: (p + o)[:2], "shape (3,), yours has (2,)"),
+    (2, lambda a, b: pose_of(rotation(-a[2]) @ (b - a)[:2], b[2] - a[2]), "not wrapped"),
+    (2, lambda a, b: b - a, "room's directions"),
+    (2, lambda a, b: pose_of(rotation(a[2]) @ (b - a)[:2], b[2] - a[2]), "wrong way round"),
+    (2, lambda a, b: se2.between(b, a), "swapped"),
+    (2, lambda a, b: se2.compose(a, b), "that was compose"),
+    (3, lambda o, s: chained(o, s, lambda p, q: se2.compose(q, p)), "wrong order"),
+    (3, lambda o, s: chained(o, s, np.add), "nothing is turned"),
+    (3, lambda o, s: chained(o, s, se2.compose)[1:], "start itself is missing"),
+    (3, lambda o, s: chained(o, np.zeros(3), se2.compose), "origin"),
+    (3, lambda o, s: chained(o, pose_of(s[:2], 0), se2.compose), "heading of the start"),
+    (
+        3,
+        lambda o, s: chained(o, s, lambda p, q: pose_of(p[:2] + rotation(p[2]) @ q[:2], p[2] + q[2])),
+        "not wrapped",
+    ),
+    (4, lambda p, z: p[:2] + z, "nothing is turned"),
+    (4, lambda p, z: p[:2] + rotation(-p[2]) @ z, "wrong way round"),
+    (4, lambda p, z: rotation(p[2]) @ z, "own position is missing"),
+    (4, lambda p, z: 2 * p[:2] + z, "is off"),
+    (4, se2.apply_inverse, "the way back"),
+    (5, lambda *a: covariance(*a, swing=0.0), "left out"),
+    (5, lambda *a: covariance(*a, swing=-1.0), "wrong sign"),
+    (5, lambda *a: covariance(*a, square=1), "squared"),
+    (5, lambda *a: covariance(*a, turn_camera=False), "not turned into the room"),
+    (5, lambda p, c, z, std: c[:2, :2], "is off"),
+]
+
+
+@pytest.mark.parametrize(("number", "mistake", "message"), WRONG)
+def test_usual_mistakes_are_named(number, mistake, message):
+    verdict = CHECKS[number](mistake)
+    assert not verdict.passed
+    assert message in verdict.message
+
+
+def test_exercise_5_is_what_the_pose_graph_says():
+    """The marginal covariance of a landmark seen once, from another road."""
+    from npslam_teach import frame_by_frame, marginal_covariance
+
+    log, _ = toy_objects()
+    (start,) = frame_by_frame(log, log.odometry_std, log.observation_std)
+    poses, objects = marginal_covariance(start.graph, range(log.num_poses), range(log.num_observations))
+    for k, t in enumerate(log.obs_time):
+        landed = solution(5)(start.graph.poses[t], poses[t], log.obs_xy[k], log.observation_std)
+        np.testing.assert_allclose(landed, objects[k], atol=1e-12)
+
+
+# --- pictures --------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def figure_5():
+    figure = figures.frame_by_frame_figure()
+    figure.draw_without_rendering()
+    return figure
+
+
+def names_in(ax):
+    return [text for text in ax.texts if isinstance(text, Annotation) and text.get_visible()]
+
+
+def test_figure_5_shows_eight_objects_where_the_wheels_put_them(figure_5):
+    log, _ = toy_objects()
+    poses = dead_reckoning(log.odometry)
+    left, right = figure_5.axes
+    assert [text.get_text() for text in names_in(right)] == [f"Obj_{k}" for k in range(1, 9)]
+    seen_at = se2.apply(poses[log.obs_time], log.obs_xy)
+    np.testing.assert_allclose([text.xy for text in names_in(right)], seen_at)
+    assert names_in(left) == []
+    assert any(np.array_equal(line.get_xydata(), poses[:, :2]) for line in right.lines)
+    assert any(line.get_linestyle() == "--" for line in right.lines)
+    drawn = np.concatenate([artist.get_offsets() for artist in right.collections if len(artist.get_facecolors())])
+    assert {tuple(xy) for xy in drawn.round(9)} == {tuple(xy) for xy in seen_at.round(9)}
+
+
+def texts_of(figure):
+    texts = [text for ax in figure.axes for text in [ax.title, ax.xaxis.label, ax.yaxis.label, *ax.texts]]
+    legends = [*figure.legends, *(ax.get_legend() for ax in figure.axes if ax.get_legend())]
+    texts += [text for legend in legends for text in legend.get_texts()]
+    return [text for text in texts if text.get_visible() and text.get_text().strip()]
+
+
+def two_orders():
+    figure, ax = plotting.new_figure(size=(7, 3.6))
+    pictures.plot_two_orders(ax, np.array([[2, 0, 0], [0, 0, np.pi / 2]]), ("drive, then turn", "turn, then drive"))
+    return figure
+
+
+def clouds():
+    figure, ax = plotting.new_figure(size=(11, 5))
+    for x in (5.0, 40.0):
+        pictures.plot_cloud(ax, np.random.default_rng(0).normal((x, 0), (0.2, 1.0), (50, 2)), [x, 0], np.diag([0.1, 1]))
+    return figure
+
+
+def growth():
+    figure, ax = plotting.new_figure(size=(10, 4.5))
+    pictures.plot_growth(ax, np.arange(10.0), np.arange(30.0).reshape(3, 10))
+    return figure
+
+
+def explored():
+    figure = drift_explorer.explore_noise().figure
+    return figure
+
+
+@pytest.mark.parametrize("draw", [figures.frame_by_frame_figure, two_orders, clouds, growth, explored])
+def test_texts_are_whole_apart_large_and_axes_have_units(draw):
+    figure = draw()
+    figure.draw_without_rendering()
+    texts = texts_of(figure)
+    for text in texts:
+        box = text.get_window_extent()
+        assert box.x0 >= 0 and box.y0 >= 0 and box.x1 <= figure.bbox.x1 and box.y1 <= figure.bbox.y1, text
+        assert text.get_fontsize() >= 11
+    for a, b in itertools.combinations(texts, 2):
+        assert not a.get_window_extent().overlaps(b.get_window_extent()), (a, b)
+    for ax in figure.axes:
+        labels = [label for label in (ax.get_xlabel(), ax.get_ylabel()) if label]
+        assert labels and all(re.search(r"\(.+\)$", label) for label in labels)
+        if draw is not growth:
+            assert ax.get_aspect() == 1.0
+
+
+def test_two_orders_end_at_two_places():
+    (ax,) = two_orders().axes
+    drawn = {line.get_label(): line.get_xydata() for line in ax.lines}
+    np.testing.assert_allclose(drawn["drive, then turn"][-1], [2, 0], atol=1e-12)
+    np.testing.assert_allclose(drawn["turn, then drive"][-1], [0, 2], atol=1e-12)
+
+
+def test_growth_draws_the_root_mean_square():
+    (ax,) = growth().axes
+    drawn = {line.get_label(): line.get_ydata() for line in ax.lines}
+    runs = np.arange(30.0).reshape(3, 10)
+    np.testing.assert_allclose(drawn["root mean square of the runs"], np.sqrt((runs**2).mean(axis=0)))
+    assert "3 runs" in drawn
+    assert len(ax.lines) == 5
+
+
+def test_the_ellipse_holds_what_it_promises_of_a_gaussian():
+    cov = np.array([[2.0, 0.9], [0.9, 0.5]])
+    xy = np.random.default_rng(1).multivariate_normal([3.0, -1.0], cov, 40_000)
+    for share in (0.5, 0.95):
+        assert evaluation.share_inside(xy, [3.0, -1.0], cov, share) == pytest.approx(share, abs=0.01)
+        border = uncertainty.ellipse_points([3.0, -1.0], cov, share)
+        squared = np.einsum("ni,ij,nj->n", border - [3.0, -1.0], np.linalg.inv(cov), border - [3.0, -1.0])
+        np.testing.assert_allclose(squared, -2 * np.log(1 - share))
+    assert evaluation.share_inside(np.array([[1.0, 0.0], [9.0, 0.0]]), [0, 0], np.eye(2)) == 0.5
+    flat = uncertainty.ellipse_points([0, 0], np.diag([1.0, 0.0]))
+    np.testing.assert_allclose(flat[:, 1], 0.0)
+
+
+# --- the slider ------------------------------------------------------------------------------------------------------
+
+
+def test_the_slider_tells_what_the_library_says_over_its_whole_range():
+    explorer = drift_explorer.explore_noise()
+    (ax,) = explorer.figure.axes
+    ends = []
+    for noise in np.linspace(0, 3, 5):
+        words = explorer.move(noise=noise)
+        log, truth = simulate.fifteen_objects(noise=noise)
+        poses = dead_reckoning(log.odometry, truth.poses[0])
+        off = np.hypot(*(poses - truth.poses)[:, :2].T)
+        ends.append(off[-1])
+        assert f"ends {off[-1]:.2f} m" in words and f"{off.mean():.2f} m off" in words
+        assert f"{log.num_observations} sightings are {log.num_observations} objects" in words
+        assert any(np.array_equal(line.get_xydata(), poses[:, :2]) for line in ax.lines)
+        xy = se2.apply(poses[log.obs_time], log.obs_xy)
+        drawn = np.concatenate([artist.get_offsets() for artist in ax.collections if len(artist.get_facecolors())])
+        np.testing.assert_allclose(drawn[np.lexsort(drawn.T)], xy[np.lexsort(xy.T)])
+        assert (xy >= [ax.get_xlim()[0], ax.get_ylim()[0]]).all() and (xy <= [ax.get_xlim()[1], ax.get_ylim()[1]]).all()
+    assert ends == sorted(ends)
+
+
+def test_only_the_size_of_the_noise_changes_under_the_slider():
+    (calm, truth), (wild, _) = (simulate.fifteen_objects(noise=noise) for noise in (0.0, 3.0))
+    steps = se2.between(truth.poses[:-1], truth.poses[1:])
+    drawn = [(log.odometry - steps) / log.odometry_std for log in (calm, wild)]
+    np.testing.assert_allclose(*drawn, atol=1e-9)
+    np.testing.assert_array_equal(calm.obs_time, wild.obs_time)
+
+
+def test_an_error_under_the_slider_is_not_swallowed(monkeypatch):
+    explorer = drift_explorer.explore_noise()
+    monkeypatch.setattr(drift_explorer, "in_words", lambda *a: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        explorer.move(noise=2.0)

@@ -1,0 +1,394 @@
+"""Lesson 09: its pictures contain what they should, its sliders tell the truth, its checks know the usual mistakes."""
+
+import re
+
+import nbformat
+import numpy as np
+import pytest
+from exercises import assert_accepts_the_solution_and_no_blank, assert_no_answer_breaks
+from matplotlib.patches import PathPatch, Polygon
+from matplotlib.path import Path as Outline
+from scipy.optimize import linear_sum_assignment
+from scipy.stats import chi2, norm
+
+from npslam_teach import evaluation, plotting, se2, simulate
+from npslam_teach.cli.commands import ROOT
+from npslam_teach.course.filtering import checks, figures, pictures
+from npslam_teach.course.filtering import explorer as filtering_explorer
+from npslam_teach.methods.ekf import new_filter, predict, squared_distances, squared_mahalanobis, with_new_object
+from npslam_teach.methods.ekf_slam import FilterRecord, assign, ekf_slam, filter_steps, run_filter
+
+WITHOUT_OBJ_4 = [0, 1, 2, -1, 1, -1, 3, 4]
+
+# --- exercises -------------------------------------------------------------------------------------------------------
+
+
+def solution(number):
+    """What the solutions notebook fills into exercise ``number``."""
+    notebook = nbformat.read(ROOT / "notebooks" / "solutions" / "09_solutions.ipynb", as_version=4)
+    names = {}
+    for cell in notebook.cells:
+        if cell.metadata.get("tags") in (["setup"], [f"exercise-{number}"]):
+            exec(cell.source, names)
+    return list(names.values())[-1]
+
+
+CHECKS = {
+    1: checks.check_kalman_gain,
+    2: checks.check_squared_mahalanobis,
+    3: checks.check_match_frame,
+    4: checks.check_add_object,
+    5: checks.check_nis_bounds,
+}
+
+
+@pytest.mark.parametrize("number", CHECKS)
+def test_solutions_are_accepted_and_blanks_are_not(number):
+    assert_accepts_the_solution_and_no_blank(CHECKS[number], solution(number))
+
+
+@pytest.mark.parametrize("number", CHECKS)
+@pytest.mark.parametrize(
+    "answer",
+    ["text", {}, [], [[1], [1, 2]], np.nan, np.zeros((2, 2, 2)), [1, 2, 3, 4], object(), "1", np.full(3, np.inf), True]
+    + [(1, 2), (np.zeros(5), ...), (..., ...), (None, None), ("a", "b"), [[1, 2], [3, 4]], -np.inf],
+)
+def test_no_answer_breaks_a_check(number, answer):
+    assert_no_answer_breaks(CHECKS[number], answer)
+
+
+def add(mean, cov, xy, std, lever=1.0, power=2, turned=True, cross=1.0, only_pose=False, moved=True):
+    turn = np.array([[np.cos(mean[2]), -np.sin(mean[2])], [np.sin(mean[2]), np.cos(mean[2])]])
+    dx, dy = turn @ xy
+    F = np.zeros((2, len(mean)))
+    F[0, [0, 2]], F[1, [1, 2]] = [1, -lever * dy], [1, lever * dx]
+    noise = np.diag(std**power)
+    own = F @ cov @ F.T + (turn @ noise @ turn.T if turned else noise)
+    shared = cross * F @ cov
+    if only_pose:
+        shared[:, 3:] = 0
+    return np.append(mean, mean[:2] + (turn @ xy if moved else xy)), np.block([[cov, shared.T], [shared, own]])
+
+
+def last_resort(squared, gate):
+    """Assign without the gate, then throw away what is beyond it."""
+    rows, columns = linear_sum_assignment(squared)
+    chosen = np.full(len(squared), -1)
+    for row, column in zip(rows, columns, strict=True):
+        chosen[row] = column if squared[row, column] < gate else -1
+    return chosen
+
+
+def in_turn(squared, gate):
+    left, chosen = np.array(squared), []
+    for row in left:
+        j = row.argmin()
+        chosen.append(j if row[j] < gate else -1)
+        left[:, j] = np.inf if row[j] < gate else left[:, j]
+    return chosen
+
+
+def clipped(squared, gate):
+    """Another right way: without columns to be left out in."""
+    rows, columns = linear_sum_assignment(np.minimum(squared, gate))
+    chosen = np.full(len(squared), -1)
+    chosen[rows] = np.where(squared[rows, columns] < gate, columns, -1)
+    return chosen
+
+
+WRONG = [
+    (1, lambda p, h, s: p * h / (h * h * p + s), "must be squared"),
+    (1, lambda p, h, s: p * abs(h) / (h * h * p + s * s), "sign of the slope"),
+    (1, lambda p, h, s: p * h / (abs(h) * p + s * s), "counts twice"),
+    (1, lambda p, h, s: 1 / h, "noise of the sensor is missing"),
+    (1, lambda p, h, s: s * s / (h * h * p + s * s), "share of the old belief"),
+    (1, lambda p, h, s: h * h * p / (h * h * p + s * s), "divide by the slope"),
+    (1, lambda p, h, s: p / (h * h * p + s * s), "missing above the line"),
+    (1, lambda p, h, s: 2 * p * h / (h * h * p + s * s), "is off, for example for"),
+    (1, lambda p, h, s: [p, h], "shape (), yours has (2,)"),
+    (2, lambda y, S: np.sqrt(y @ np.linalg.inv(S) @ y), "the square is asked for"),
+    (2, lambda y, S: y @ S @ y, "multiplied, not divided"),
+    (2, lambda y, S: np.linalg.norm(y) ** 2, "covariance is not used"),
+    (2, lambda y, S: sum(y**2 / np.diag(S)), "only the diagonal"),
+    (2, lambda y, S: y @ (1 / S) @ y, "number by number"),
+    (2, lambda y, S: y @ np.linalg.inv(S @ S) @ y, "inverted twice"),
+    (2, lambda y, S: 2 * (y @ np.linalg.inv(S) @ y), "is off, for example for"),
+    (3, lambda d, g: np.where(d.min(axis=1) < g, d.argmin(axis=1), -1), "share an object"),
+    (3, in_turn, "take turns"),
+    (3, last_resort, "asked too late"),
+    (3, lambda d, g: np.zeros(len(d)), "is off, for example for"),
+    (3, lambda d, g: linear_sum_assignment(d)[1], "shape"),
+    (4, lambda *a: add(*a, cross=0.0), "shares no error with the pose"),
+    (4, lambda *a: add(*a, only_pose=True), "with the pose only"),
+    (4, lambda *a: add(*a, turned=False), "not turned into the world"),
+    (4, lambda *a: add(*a, lever=0.0), "heading is left out"),
+    (4, lambda *a: add(*a, lever=-1.0), "wrong sign"),
+    (4, lambda *a: add(*a, power=1), "must be squared"),
+    (4, lambda *a: add(*a, moved=False), "not turned into the world before"),
+    (4, lambda m, P, xy, s: (add(m, P, xy, s)[0][::-1], add(m, P, xy, s)[1]), "old numbers of your mean"),
+    (4, lambda m, P, xy, s: (add(m, P, xy, s)[0], P), "your covariance should have shape"),
+    (4, lambda m, P, xy, s: (add(m, P, xy, s)[0], 2 * add(m, P, xy, s)[1]), "old part of your covariance"),
+    (4, lambda m, P, xy, s: (add(m, P, xy, s)[0], add(m, P, xy, 2 * s)[1]), "its own two by two"),
+    (4, lambda *a: add(*a, cross=0.5), "shares with the old"),
+    (4, lambda *a: add(*a)[0], "return two things"),
+    (5, lambda n, p: chi2.ppf([(1 - p) / 2, (1 + p) / 2], n) / n, "adds two degrees"),
+    (5, lambda n, p: chi2.ppf([(1 - p) / 2, (1 + p) / 2], 2 * n), "bounds of the sum"),
+    (5, lambda n, p: chi2.ppf([1 - p, p], 2 * n) / n, "half of it at either end"),
+    (5, lambda n, p: chi2.ppf([(1 - p) / 2, (1 + p) / 2], 2 * n) / (2 * n), "a match has two"),
+    (5, lambda n, p: 2 + 2 / n**0.5 * norm.ppf([(1 - p) / 2, (1 + p) / 2]), "Gaussian approximation"),
+    (5, lambda n, p: chi2.ppf([(1 - p) / 2, (1 + p) / 2], 2), "must depend on N"),
+    (5, lambda n, p: chi2.ppf([(1 + p) / 2, (1 - p) / 2], 2 * n) / n, "low, then high"),
+    (5, lambda n, p: [1, 3], "is off, for example for"),
+]
+
+
+@pytest.mark.parametrize(("number", "mistake", "message"), WRONG)
+def test_usual_mistakes_are_named(number, mistake, message):
+    verdict = CHECKS[number](mistake)
+    assert not verdict.passed
+    assert message in verdict.message
+
+
+def test_other_right_ways_are_right():
+    assert checks.check_match_frame(clipped).passed
+    assert checks.check_match_frame(lambda d, g: assign(d, g, np.inf)).passed
+    assert checks.check_squared_mahalanobis(squared_mahalanobis).passed
+    assert checks.check_kalman_gain(lambda p, h, s: np.array(1 / (h + s**2 / (p * h)))).passed
+    assert checks.check_add_object(add).passed
+
+
+def test_the_solution_of_exercise_4_is_the_filters():
+    rng = np.random.default_rng(0)
+    ekf, std = new_filter(), np.array([0.3, 0.6])
+    for xy in rng.normal(size=(3, 2)):
+        predict(ekf, rng.normal(size=3), np.array([0.1, 0.2, 0.3]))
+        mean, cov = solution(4)(ekf.x, ekf.P, xy, std)
+        ekf = with_new_object(ekf, xy, std)
+        np.testing.assert_allclose(ekf.x, mean, atol=1e-12)
+        np.testing.assert_allclose(ekf.P, cov, atol=1e-12)
+
+
+# --- pictures --------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def ax():
+    return plotting.new_figure()[1]
+
+
+def assert_texts_fit(figure, within="figure"):
+    """All texts inside the figure, and none of an axes on another of it."""
+    figure.draw_without_rendering()
+    canvas = figure.get_window_extent()
+    for ax in figure.axes:
+        texts = [text for text in ax.texts if text.get_text()]
+        boxes = [text.get_window_extent() for text in texts]
+        for box in boxes:
+            assert box.x0 >= canvas.x0 and box.x1 <= canvas.x1 and box.y0 >= canvas.y0 and box.y1 <= canvas.y1
+        for k, box in enumerate(boxes):
+            assert not any(box.overlaps(other) for other in boxes[:k]), [text.get_text() for text in texts]
+        assert all(text.get_fontsize() >= 11 for text in texts)
+
+
+def test_figure_20_shows_two_answers():
+    figure = figures.two_answers_figure()
+    assert_texts_fit(figure)
+    left, right = figure.axes
+    log, truth = simulate.toy_objects()
+    assert {text.get_text() for text in left.texts} == {"chair A", "chair B", "Obj_5: chair B"}
+    for ax in figure.axes:
+        assert ax.get_aspect() == 1.0
+        assert ax.get_xlabel() == "x (m)"
+    assert left.get_ylabel() == "y (m)"
+    beliefs = [line for line in right.lines if len(line.get_xdata()) == 100]
+    assert [line.get_label() for line in beliefs] == ["taken for chair B", "taken for chair A"]
+    true_xy = truth.poses[figures.POSE, :2]
+    inside = [Outline(line.get_xydata()).contains_point(true_xy) for line in beliefs]
+    assert inside == [True, False]
+    sizes = [np.ptp(line.get_xydata(), axis=0) for line in beliefs]
+    middles = [line.get_xydata()[:-1].mean(axis=0) for line in beliefs]
+    np.testing.assert_allclose(sizes[0], sizes[1], rtol=0.25)
+    assert np.linalg.norm(middles[0] - middles[1]) > 0.5
+    (entry,) = figures.FIGURES
+    assert entry.name.startswith("fig20_") and len(entry.alt) > 60
+
+
+def test_beliefs_are_gaussians(ax):
+    pictures.plot_beliefs(ax, {"wheels": (3.0, 0.25), "wall": (3.4, 0.04)}, true_x=3.3)
+    wheels, wall, true = ax.lines
+    x, density = wheels.get_data()
+    assert np.trapezoid(density, x) == pytest.approx(1.0, abs=0.01)
+    assert x[density.argmax()] == pytest.approx(3.0, abs=0.01)
+    assert wall.get_ydata().max() == pytest.approx(1 / np.sqrt(2 * np.pi * 0.04), rel=1e-3)
+    assert true.get_linestyle() == "--" and set(true.get_xdata()) == {3.3}
+    assert len({(line.get_color(), line.get_linestyle()) for line in ax.lines}) == 3
+    assert "(m)" in ax.get_xlabel() and "(1/m)" in ax.get_ylabel()
+
+
+def test_names_count_within_a_class():
+    assert pictures.object_names([0, 0, 1, 0], ("chair", "cup")) == ["chair A", "chair B", "cup A", "chair C"]
+    names = pictures.object_names(np.zeros(60, dtype=int), ("chair",))
+    assert names[25:28] == ["chair Z", "chair A1", "chair B1"] and len(set(names)) == 60
+    assert pictures.object_names([], ("chair",)) == []
+
+
+@pytest.mark.parametrize("radius", [0.5, 1.4, 3.0, 6.0])
+def test_the_gate_on_the_map_is_the_gate_of_the_filter(radius):
+    """A sighting lies inside the ellipse exactly when its Mahalanobis distance is below the radius."""
+    log, _ = simulate.toy_objects()
+    step = list(filter_steps(log, labels=WITHOUT_OBJ_4))[4]
+    state = step.prior_mean, step.prior_cov
+    outline = pictures.gate_outline(*state, 1, log.observation_std, radius)
+    on_edge = se2.apply_inverse(step.prior_mean[:3], outline)
+    squared = squared_distances(*state, on_edge, log.observation_std)[:, 1]
+    np.testing.assert_allclose(np.sqrt(squared), radius, rtol=1e-6)
+    assert evaluation.share_within(radius) == pytest.approx(chi2.cdf(radius**2, 2))
+
+
+def record_of(nis, dof):
+    nothing = np.zeros(0)
+    return FilterRecord(nothing, nothing, nothing, nothing, nothing, nothing, np.array(nis), np.array(dof))
+
+
+def test_nis_is_averaged_over_windows(ax):
+    nan = float("nan")
+    record = record_of([1.0, nan, 3.0, nan, nan, nan, 8.0], [2, 0, 2, 0, 0, 0, 4])
+    middle, average, dof = evaluation.windows(record.nis, record.nis_dof, 3)
+    np.testing.assert_allclose(middle, [1.0, 6.0])
+    np.testing.assert_allclose(average, [1.0, 2.0])
+    np.testing.assert_array_equal(dof, [4, 4])
+    pictures.plot_nis(ax, {"mine": record, "another": record}, window=3, probability=0.9)
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), [1.0, 2.0])
+    band = ax.collections[0].get_paths()[0].vertices
+    np.testing.assert_allclose([band[:, 1].min(), band[:, 1].max()], chi2.ppf([0.05, 0.95], 4) / 4)
+    labels = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert labels == ["mine", "another", "90% band of a consistent filter"]
+    assert ax.get_yscale() == "log" and "(index)" in ax.get_xlabel()
+
+
+def test_the_spread_has_a_dot_for_every_room(ax):
+    errors = {"ekf": [0.1, 0.2, 0.4], "ekf, paper's noise": [1.0, 3.0, 2.0], "graph after ekf": [0.1, 0.1, 0.2]}
+    pictures.plot_spread(ax, errors)
+    dots, bars = ax.lines[::2], ax.lines[1::2]
+    for row, (values, dot, bar) in enumerate(zip(errors.values(), dots, bars, strict=True)):
+        np.testing.assert_allclose(dot.get_xdata(), values)
+        assert (np.abs(dot.get_ydata() - row) < 0.4).all()
+        assert set(bar.get_xdata()) == {np.median(values)}
+    assert [label.get_text() for label in ax.get_yticklabels()] == list(errors)
+    assert dots[0].get_marker() == dots[1].get_marker() == "v"
+    assert dots[2].get_marker() == "*"
+    assert ax.yaxis_inverted() and "(m" in ax.get_xlabel()
+
+
+# --- the explorer ----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def explorer():
+    log, truth = simulate.toy_objects()
+    return filtering_explorer.explore_gate(log, 4, truth.world.class_names, labels=WITHOUT_OBJ_4)
+
+
+DISTANCES = {"Obj_5": {"chair A": 1.643, "chair B": 1.232}, "Obj_6": {"screen A": 1.323}}
+
+
+@pytest.mark.parametrize("second_gate", [0.5, 1.3, 6.0])
+@pytest.mark.parametrize("size", [0.5, 1.2, 1.3, 1.4, 6.0])
+def test_words_and_artists_agree_with_the_distances(explorer, size, second_gate):
+    words = explorer.move(gate=size, second_gate=second_gate)
+    wider, ax = max(size, second_gate), explorer.figure.axes[0]
+    assert words.startswith(f"Gates at {size:.1f} and {wider:.1f} standard deviations; ")
+    assert float(re.search(r"; ([\d.]+) % of right", words).group(1)) == pytest.approx(
+        100 * chi2.cdf(size**2, 2), abs=0.05
+    )
+    for name, rivals in DISTANCES.items():
+        nearest = min(rivals, key=rivals.get)
+        away = rivals[nearest]
+        expected = nearest if away < size else "new" if away > wider else "left out"
+        told = re.search(rf"{name}: ([^;]*); ([^.;]*)\.", words)
+        assert told.group(2) == expected
+        assert f"{nearest} at {away:.2f}" in told.group(1)
+        assert f"{name}: {expected}" in [text.get_text() for text in ax.texts]
+    for name in DISTANCES:
+        assert words.count(name) == 1
+
+
+def test_ties_lead_from_sightings_to_their_objects(explorer):
+    ax = explorer.figure.axes[0]
+    explorer.move(gate=3.0, second_gate=5.3)
+    ties = [line for line in ax.lines if len(line.get_xdata()) == 2 and line.get_linestyle() == "-"]
+    lengths = [np.linalg.norm(np.diff(line.get_xydata(), axis=0)) for line in ties]
+    np.testing.assert_allclose(lengths, [0.3, 0.3], atol=0.01)
+    explorer.move(gate=0.5, second_gate=0.5)
+    ties = [line for line in ax.lines if len(line.get_xdata()) == 2 and line.get_linestyle() == "-"]
+    assert all(np.ptp(line.get_xydata(), axis=0).max() == 0 for line in ties)
+
+
+def test_gates_grow_with_the_slider_and_stay_on_the_map(explorer):
+    ax = explorer.figure.axes[0]
+    limits = ax.get_xlim(), ax.get_ylim()
+    widths = []
+    for size in (0.5, 3.0, 6.0):
+        explorer.move(gate=size, second_gate=6.0)
+        outlines = [line for line in ax.lines if len(line.get_xdata()) == 100]
+        assert len(outlines) == 6
+        widths.append(np.ptp(outlines[0].get_xdata()))
+        for line in outlines:
+            assert (line.get_xdata() >= limits[0][0]).all() and (line.get_xdata() <= limits[0][1]).all()
+            assert (line.get_ydata() >= limits[1][0]).all() and (line.get_ydata() <= limits[1][1]).all()
+    np.testing.assert_allclose(widths, np.array([0.5, 3.0, 6.0]) * widths[0] / 0.5, rtol=1e-6)
+    assert (ax.get_xlim(), ax.get_ylim()) == limits
+    assert not any(isinstance(patch, PathPatch | Polygon) for patch in ax.patches)
+
+
+def test_texts_of_the_explorer_do_not_overlap(explorer):
+    for size, second in ((0.5, 0.5), (1.2, 2.0), (3.0, 5.3), (6.0, 6.0)):
+        explorer.move(gate=size, second_gate=second)
+        assert_texts_fit(explorer.figure)
+
+
+def test_the_explorer_works_on_a_large_scene():
+    log, truth = simulate.fifteen_objects()
+    explorer = filtering_explorer.explore_gate(log, 113, truth.world.class_names)
+    step = list(filter_steps(log))[113]
+    names = pictures.object_names(step.object_class, truth.world.class_names)
+    for k, label in zip(step.sightings, step.decision, strict=True):
+        assert re.search(rf"Obj_{k + 1}: [^;]*; {names[label]}\.", explorer.words)
+
+
+@pytest.mark.parametrize(("time", "message"), [(0, "pose 0 does not"), (2, "pose 2 does not"), (6, "from 0 to 5")])
+def test_moments_without_a_question_are_refused(time, message):
+    log, truth = simulate.toy_objects()
+    with pytest.raises(ValueError, match=message):
+        filtering_explorer.explore_gate(log, time, truth.world.class_names)
+
+
+def test_errors_in_the_explorer_are_raised(explorer, monkeypatch):
+    monkeypatch.setattr(pictures.GateMap, "decide", lambda *a: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        explorer.move(gate=2.2)
+
+
+# --- what the lesson claims ------------------------------------------------------------------------------------------
+
+
+def test_a_lie_makes_the_filter_as_sure_as_the_truth():
+    log, truth = simulate.toy_objects()
+    true, lie = (run_filter(log, labels=labels) for labels in (figures.RIGHT, figures.WRONG))
+    stds = [np.sqrt(np.diagonal(record.pose_cov[4:], axis1=1, axis2=2)) for record in (true, lie)]
+    np.testing.assert_allclose(stds[0], stds[1], rtol=0.25)
+    off = [np.abs(record.poses - truth.poses)[4, 1] / std[0, 1] for record, std in zip((true, lie), stds, strict=True)]
+    assert off[0] < 1 and off[1] > 6
+    assert lie.nis[4] < chi2.ppf(0.99, 2)
+
+
+def test_the_filter_needs_the_right_noise():
+    exact = {"own": 0, "paper": 0}
+    paper = {"odometry_std": (0.1, 0.1, 0.1), "observation_std": (0.5, 0.5)}
+    for seed in range(10, 14):
+        log, _ = simulate.fifteen_objects(seed)
+        for name, settings in {"own": {}, "paper": paper}.items():
+            *_, last = ekf_slam(log, **settings)
+            exact[name] += last.num_objects == 15
+    assert exact["own"] >= 3
+    assert exact["paper"] <= 2

@@ -1,0 +1,87 @@
+"""Lessons on a code host: its viewer runs nothing, strips scripts and styles, and has what is in the repository."""
+
+import html.parser
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+NOTEBOOKS = sorted(path for path in (ROOT / "notebooks").rglob("*.ipynb") if ".ipynb_checkpoints" not in path.parts)
+WIDGET = "application/vnd.jupyter.widget-view+json"
+PICTURE = re.compile(r"!\[[^\]]*\]\(([^)]+)\)")
+CODE = re.compile(r"^```.*?^```|`[^`\n]*`|\$\$.*?\$\$|\$[^$\n]*\$", re.MULTILINE | re.DOTALL)
+
+
+@pytest.fixture(params=NOTEBOOKS, ids=lambda path: path.stem)
+def path(request):
+    return request.param
+
+
+def outputs(notebook):
+    return [output for cell in notebook.cells for output in cell.get("outputs", [])]
+
+
+class Tags(html.parser.HTMLParser):
+    """The opening tags of a piece of HTML, and the text between them."""
+
+    def __init__(self, source):
+        super().__init__()
+        self.tags, self.text = [], ""
+        self.feed(source)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_data(self, data):
+        self.text += data
+
+
+def test_every_output_is_of_a_kind_that_a_viewer_shows(notebook):
+    for output in outputs(notebook):
+        assert output.output_type in ("stream", "execute_result", "display_data")
+        assert set(output.get("data", {})) <= {"text/plain", "text/html", WIDGET}
+
+
+def test_html_is_a_picture_that_survives_without_styles_and_scripts(notebook):
+    for output in outputs(notebook):
+        if "text/html" in output.get("data", {}):
+            found = Tags(output.data["text/html"])
+            ((tag, attributes),) = found.tags
+            assert tag == "img" and found.text == ""
+            assert set(attributes) == {"alt", "src", "width", "style"}
+            assert re.match(r"data:image/(png|gif);base64,", attributes["src"])
+            assert 200 < int(attributes["width"]) < 1500, "the size does not hang on the style"
+
+
+def test_a_widget_reads_as_words(notebook):
+    for output in outputs(notebook):
+        if WIDGET in output.get("data", {}):
+            assert re.match(r"[A-Z]\w+: \w.{20}", output.data["text/plain"]), "not the name of a class alone"
+    assert "widgets" not in notebook.metadata, "a viewer would load them from the network"
+
+
+def test_text_is_markdown_alone(notebook):
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown":
+            assert not re.search(r"</?[a-zA-Z][^>]*>", CODE.sub("", cell.source))
+            assert not cell.get("attachments")
+        assert cell.cell_type in ("markdown", "code")
+
+
+def test_pictures_are_files_of_the_repository(path, notebook):
+    if not (ROOT / ".git").exists() or shutil.which("git") is None:
+        pytest.skip("this is no clone, or there is no git: what is in the repository cannot be told")
+    command = ["git", "-c", f"safe.directory={ROOT}", "ls-files", "-z", "notebooks", "figures"]
+    files = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\0")
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown":
+            for name in PICTURE.findall(cell.source):
+                target = (path.parent / name).resolve().relative_to(ROOT.resolve()).as_posix()
+                assert target in files, "case and all, as on a server"
+
+
+def test_a_notebook_is_small_enough_to_be_shown(path):
+    assert path.stat().st_size < 1_000_000

@@ -1,0 +1,245 @@
+"""Lesson 01: its figures contain what they should, its explorer tells the truth, its checks know the usual mistakes."""
+
+import itertools
+import math
+import re
+
+import nbformat
+import numpy as np
+import pytest
+from exercises import assert_accepts_the_solution_and_no_blank, assert_no_answer_breaks
+from matplotlib.patches import Rectangle
+from partitions import partitions
+
+from npslam_teach import plotting, simulate
+from npslam_teach.cli.commands import ROOT
+from npslam_teach.course.why_association import checks, figures, pictures
+from npslam_teach.course.why_association import explorer as why_association_explorer
+from npslam_teach.evaluation import chi2_per_dof
+from npslam_teach.methods.open_loop import join_earlier_observations
+from npslam_teach.pose_graph import chi2, fit
+
+# --- exercises -------------------------------------------------------------------------------------------------------
+
+
+def solution(number):
+    """What the solutions notebook fills into exercise ``number``."""
+    notebook = nbformat.read(ROOT / "notebooks" / "solutions" / "01_solutions.ipynb", as_version=4)
+    names = {}
+    for cell in notebook.cells:
+        if cell.metadata.get("tags") in (["setup"], [f"exercise-{number}"]):
+            exec(cell.source, names)
+    return [value for name, value in names.items() if callable(value)][-1]
+
+
+CHECKS = {1: checks.check_argmax, 2: checks.check_front_end, 3: checks.check_bell, 4: checks.check_alarm}
+
+
+@pytest.mark.parametrize("number", CHECKS)
+def test_solutions_are_accepted_and_blanks_are_not(number):
+    assert_accepts_the_solution_and_no_blank(CHECKS[number], solution(number))
+
+
+@pytest.mark.parametrize("number", CHECKS)
+@pytest.mark.parametrize(
+    "answer",
+    [
+        *("text", {}, [], [[1], [1, 2]], np.nan, np.zeros((2, 2, 2)), [1, 2, 3, 4], object(), "1", (1, 2), ([1], [2])),
+        *((..., ...), (None, [1]), np.full(5, np.inf), True, -1, ({}, [[1], [2, 3]])),
+    ],
+)
+def test_no_answer_breaks_a_check(number, answer):
+    assert_no_answer_breaks(CHECKS[number], answer)
+
+
+def nearest(xy, obs_class, reach):
+    """The front end through the library's own association: a threshold instead of a reach."""
+    return join_earlier_observations(xy, obs_class, math.exp(-4 * reach**2), math.sqrt(1 / 8))
+
+
+def first_within_reach(xy, obs_class, reach):
+    labels = []
+    for k in range(len(xy)):
+        near = [j for j in range(k) if obs_class[j] == obs_class[k] and math.dist(xy[j], xy[k]) < reach]
+        labels.append(labels[near[0]] if near else max(labels, default=-1) + 1)
+    return labels
+
+
+def degrees(m, k):
+    return 2 * m - 2 * k
+
+
+WRONG = [
+    (1, lambda p: (p.argmax(axis=1), p.max(axis=1)), "what is kept"),
+    (1, lambda p: (1 - p.max(axis=1), p.argmax(axis=1)), "swapped"),
+    (1, lambda p: (p.argsort(axis=1)[:, 1], 1 - p.max(axis=1)), "not those of the largest"),
+    (1, lambda p: (p.argmax(axis=0), 1 - p.max(axis=0)), "axis 1"),
+    (1, lambda p: (p.argmax(axis=1) + 1, 1 - p.max(axis=1)), "from 0"),
+    (1, lambda p: (p.argmin(axis=1), 1 - p.max(axis=1)), "least likely"),
+    (1, lambda p: (p.argmax(axis=1), np.sort(p, axis=1)[:, -2]), "runner-up"),
+    (1, lambda p: p.argmax(axis=1), "shape (2, 5)"),
+    (2, lambda xy, c, r: nearest(xy, np.zeros_like(c), r), "different classes"),
+    (2, lambda xy, c, r: nearest(xy, c, 100.0 if len(xy) else r), "everything joins"),
+    (2, lambda xy, c, r: np.arange(len(xy)), "nothing joins"),
+    (2, first_within_reach, "not the nearest"),
+    (2, lambda xy, c, r: checks._nearest_index(xy, c, r), "place in the list"),
+    (2, lambda xy, c, r: checks.join(xy, c, r, founders=True), "first of an object only"),
+    (2, lambda xy, c, r: c, "everything joins"),
+    (2, lambda xy, c, r: np.arange(len(xy)) // 2, "you find 13 objects, not 20"),
+    (3, lambda n: 2 ** (n - 1), "where a row can be cut"),
+    (3, lambda n: 2**n, "subsets"),
+    (3, math.factorial, "orders"),
+    (3, lambda n: math.comb(2 * n, n) // (n + 1), "cross"),
+    (3, lambda n: len(list(partitions(n + 1))), "one off"),
+    (3, lambda n: n**2, "2 sightings can be grouped"),
+    (4, lambda c, m, k: m > k and c <= degrees(m, k) + 3 * math.sqrt(2 * degrees(m, k)), "wrong way round"),
+    (4, lambda c, m, k: m > k and c > degrees(m, k), "every second right result"),
+    (4, lambda c, m, k: m > k and c / degrees(m, k) > 1, "every second right result"),
+    (4, lambda c, m, k: m > k and c > (m - k) + 3 * math.sqrt(2 * (m - k)), "two numbers"),
+    (4, lambda c, m, k: m > k and c > 2 * m + 3 * math.sqrt(4 * m), "unknowns too"),
+    (4, lambda c, m, k: m > k and c > 5 * degrees(m, k), "another chi2"),
+    (4, lambda c, m, k: (c - degrees(m, k)) / math.sqrt(2 * degrees(m, k)) > 3, "0 degrees of freedom"),
+    (4, lambda c, m, k: c > degrees(m, k) + 3 * math.sqrt(2 * degrees(m, k)), "must not ring, or stop"),
+    (4, lambda c, m, k: m > k and c > degrees(m, k) + 6 * degrees(m, k), "root"),
+    (4, lambda c, m, k: False, "never rings"),
+]
+
+
+@pytest.mark.parametrize(("number", "mistake", "message"), WRONG)
+def test_usual_mistakes_are_named(number, mistake, message):
+    verdict = CHECKS[number](mistake)
+    assert not verdict.passed
+    assert message in verdict.message
+
+
+def test_labels_may_have_any_names():
+    assert checks.check_front_end(lambda *a: 100 - 7 * nearest(*a)).passed
+
+
+def test_bell_numbers_count_partitions():
+    assert checks.bell_numbers(7) == [1] + [len(list(partitions(n))) for n in range(1, 8)]
+    assert checks.bell_numbers(25)[25] == 4638590332229999353  # OEIS A000110
+
+
+# --- figures ---------------------------------------------------------------------------------------------------------
+
+
+def texts_of(figure):
+    texts = [text for ax in figure.axes for text in [ax.title, ax.xaxis.label, ax.yaxis.label, *ax.texts]]
+    legends = [*figure.legends, *(ax.get_legend() for ax in figure.axes if ax.get_legend())]
+    texts += [text for legend in legends for text in legend.get_texts()]
+    return [text for text in texts if text.get_visible() and text.get_text().strip()]
+
+
+def assert_readable(figure):
+    texts = texts_of(figure)
+    for text in texts:
+        box = text.get_window_extent()
+        assert box.x0 >= 0 and box.y0 >= 0 and box.x1 <= figure.bbox.x1 and box.y1 <= figure.bbox.y1, text
+        assert text.get_fontsize() >= 11
+    for a, b in itertools.combinations(texts, 2):
+        assert not a.get_window_extent().overlaps(b.get_window_extent()), (a, b)
+
+
+@pytest.mark.parametrize("entry", figures.FIGURES, ids=lambda entry: entry.name)
+def test_figures_are_readable_and_have_units(entry):
+    figure = entry.draw()
+    figure.draw_without_rendering()
+    assert_readable(figure)
+    for ax in figure.axes:
+        if ax.axison:
+            labels = [label for label in (ax.get_xlabel(), ax.get_ylabel()) if label]
+            assert labels and all(re.search(r"\(.+\)$", label) for label in labels)
+
+
+def test_the_timeline_has_every_event_at_its_year():
+    (ax,) = figures.timeline_figure().axes
+    years = [line.get_xdata()[0] for line in ax.lines]
+    assert years == [year for year, _, _ in pictures.EVENTS] == sorted(years)
+    for name in "Moravec Galindo Vasudevan PTAM g2o iSAM Cadena R-CNN Mu Bowman".split():
+        assert any(name in text.get_text() for text in ax.texts), name
+    assert len(pictures.EVENTS) == 12
+
+
+def test_the_detector_shows_the_argmax_of_each_row():
+    image, bars = figures.detector_figure().axes
+    boxes = [patch for patch in image.patches if isinstance(patch, Rectangle) and not patch.get_fill()]
+    assert [box.get_bbox().bounds for box in boxes] == [tuple(map(float, box)) for box in pictures.BOXES]
+    assert [t.get_text() for t in image.texts] == ["1: chair 0.86", "2: screen 0.88", "3: cup 0.47"]
+    heights = np.reshape([patch.get_height() for patch in bars.patches], (3, 3)).T
+    np.testing.assert_allclose(heights, figures.POSTERIORS)
+    np.testing.assert_allclose(figures.POSTERIORS.sum(axis=1), 1.0)
+    assert sum(text.get_fontweight() == "bold" for text in bars.texts) == 3
+
+
+def test_only_semantic_factors_tie_one_sighting_to_two_chairs():
+    left, right = figures.semantic_figure().axes
+    orange = [
+        [line for line in ax.lines if line.get_color() == plotting.class_style(1)[0] and len(line.get_xdata()) == 2]
+        for ax in (left, right)
+    ]
+    assert [len(lines) for lines in orange] == [1, 2]
+    assert {text.get_text() for text in right.texts} >= {"0.3", "0.7"}
+    assert left.get_aspect() == right.get_aspect() == 1.0
+
+
+def test_the_split_has_one_arrow_back_and_only_where_it_takes_turns():
+    (ax,) = figures.split_figure().axes
+    arrows = [text for text in ax.texts if getattr(text, "arrow_patch", None)]
+    backward = [arrow for arrow in arrows if arrow.xy[0] < arrow.xyann[0]]
+    assert len(arrows) == 7 and len(backward) == 1
+    assert backward[0].xy[1] < 2  # in the lower row
+
+
+# --- the explorer ----------------------------------------------------------------------------------------------------
+
+ALL = list(itertools.product(range(8), range(len(why_association_explorer.OBJECTS))))
+
+
+@pytest.fixture(scope="module")
+def explorer():
+    return why_association_explorer.explore_wrong_association()
+
+
+@pytest.mark.parametrize(("sighting", "to"), ALL)
+def test_the_explorer_shows_what_the_solver_says(explorer, sighting, to):
+    words = explorer._update(sighting=sighting, to=to)  # what the drop-downs call, without drawing each time
+    log, truth = simulate.toy_objects()
+    given = why_association_explorer.BELONGS_TO.copy()
+    given[sighting] = to
+    _, labels = np.unique(given, return_inverse=True)
+    graph = fit(log, labels, truth.poses)  # from another start
+    assert f"{chi2_per_dof(graph):.2f} per degree of freedom" in words
+    belongs = to == why_association_explorer.BELONGS_TO[sighting]
+    assert (f"chi2 is {chi2(graph):.1f}," if belongs else f"chi2 goes from 1.8 to {chi2(graph):.1f},") in words
+    assert chi2_per_dof(graph) < 0.5 if belongs or to == 5 else chi2_per_dof(graph) > 2.5  # a split is silent
+    (ax,) = explorer.figure.axes
+    assert any(np.allclose(line.get_xydata(), graph.poses[:, :2], atol=1e-4) for line in ax.lines)
+    thick = [line for line in ax.lines if line.get_color() == why_association_explorer.WRONG_COLOR]
+    assert len(thick) == (0 if belongs else 1)
+    if thick:
+        np.testing.assert_allclose(thick[0].get_xydata()[1], graph.landmarks[labels[sighting]], atol=1e-4)
+    numbers = [text.get_text() for text in ax.texts if text.get_text()]
+    assert numbers == ["+".join(str(k + 1) for k in np.flatnonzero(labels == j)) for j in range(len(graph.landmarks))]
+    (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
+    points = np.concatenate([line.get_xydata() for line in ax.lines])
+    assert (points >= [left, bottom]).all() and (points <= [right, top]).all()
+    assert ax.get_aspect() == 1.0
+    assert_readable(explorer.figure)
+
+
+def test_the_drop_downs_move_the_picture():
+    explorer = why_association_explorer.explore_wrong_association()
+    before = explorer._picture.value
+    assert "Obj_5 belongs to chair B" in explorer.words
+    assert "Obj_5 of chair B is given to chair A" in explorer.move(to=0)
+    assert explorer._picture.value != before
+    explorer.move(to=1)
+    assert explorer._picture.value == before
+
+
+def test_an_error_in_the_explorer_is_not_swallowed(monkeypatch):
+    fresh = why_association_explorer.explore_wrong_association()
+    monkeypatch.setattr(why_association_explorer, "in_words", lambda *a: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        fresh.move(to=0)

@@ -1,0 +1,155 @@
+"""Every damaged file ends in one sentence or in a right answer: soon, in little memory, and without a crash.
+
+The files go through the command line, in processes that can be killed. Each is measured on its own, so that a crash, a
+hang or a hog is reported with the name of its file.
+"""
+
+import collections
+import itertools
+import json
+import os
+import queue
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+from mutations import SUFFIXES, damaged
+
+HELPERS = Path(__file__).parents[1] / "helpers"
+FILES_PER_FORMAT, DISTINCT_PER_FORMAT = 2_000, 1_700
+MOST_SECONDS, MOST_MEGABYTES = 2.0, 500.0
+PATIENCE = 60.0  # seconds of silence after which a file counts as a hang, on a machine that may be busy
+
+
+def campaign(suffix, numbers, folder, data=None):
+    """The outcome of each damaged file, by its number; ``data``: damage the original files of this folder instead."""
+    outcomes, todo = {}, list(numbers)
+    while todo:
+        outcomes |= run_worker(suffix, range(todo[0], numbers.stop, numbers.step), folder, data)
+        todo = [number for number in todo if number not in outcomes]
+    return outcomes
+
+
+def run_worker(suffix, numbers, folder, data):
+    """What one worker tells until it is through, or dies of a file, which is then an outcome, too."""
+    command = [
+        sys.executable,
+        HELPERS / "mutation_worker.py",
+        suffix,
+        numbers.start,
+        numbers.stop,
+        numbers.step,
+        folder,
+    ]
+    environment = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+    environment.pop("TQDM_DISABLE", None)  # a bar where nobody waits is something that a user would see, too
+    outcomes, begun, lines = {}, numbers.start, queue.Queue()
+    with (
+        (folder / "standard_error").open("w+", encoding="utf-8") as complaints,
+        subprocess.Popen(
+            [str(part) for part in [*command, *([data] if data else [])]],
+            stdout=subprocess.PIPE,
+            stderr=complaints,
+            encoding="utf-8",
+            env=environment,
+        ) as worker,
+    ):
+        reader = threading.Thread(target=lambda: [lines.put(line) for line in itertools.chain(worker.stdout, [""])])
+        reader.start()
+        problem = None
+        try:
+            while line := lines.get(timeout=PATIENCE):
+                told = json.loads(line)
+                begun = told.get("begin", begun)
+                if "name" in told:
+                    outcomes[begun] = told
+        except queue.Empty:
+            problem = f"not done after {PATIENCE} s"
+            worker.kill()
+        reader.join()
+        code = worker.wait()
+        complaints.seek(0)
+        said = complaints.read()[-500:]
+    if begun not in outcomes:
+        problem = problem or f"the process died with {code}: {said}"
+    elif said:
+        problem = f"somebody wrote on standard error: {said}"
+    if problem:
+        outcomes[begun] = {"name": f"{suffix}-{begun}", "problem": problem, "code": None}
+    return outcomes
+
+
+def complaints_about(outcomes):
+    """One line for every file that ended in another way than it may."""
+    found = []
+    for outcome in outcomes.values():
+        if outcome["problem"]:
+            found.append(f"{outcome['name']}: {outcome['problem']} {outcome.get('said', '')!r}")
+        # The processor's seconds: other processes of a busy machine are not the fault of a file.
+        elif outcome["cpu_seconds"] > MOST_SECONDS or outcome["megabytes"] > MOST_MEGABYTES:
+            found.append(f"{outcome['name']}: {outcome['cpu_seconds']:.1f} s, {outcome['megabytes']:.0f} MB")
+    return found
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_damaged_file_ends_in_one_sentence_or_a_right_answer(tmp_path, suffix):
+    outcomes = campaign(suffix, range(FILES_PER_FORMAT), tmp_path)
+    assert sorted(outcomes) == list(range(FILES_PER_FORMAT))
+    assert not complaints_about(outcomes)
+    codes = collections.Counter(outcome["code"] for outcome in outcomes.values())
+    # Damage that is always noticed, or never, would test only half.
+    assert codes[0] > FILES_PER_FORMAT // 10 and codes[2] > FILES_PER_FORMAT // 2
+    assert len({outcome["digest"] for outcome in outcomes.values()}) >= DISTINCT_PER_FORMAT
+
+
+def test_a_damaged_file_is_known_by_its_number():
+    for suffix in SUFFIXES:
+        for number in range(0, 400, 20):
+            assert damaged(suffix, number) == damaged(suffix, number)
+
+
+# ---- the harness itself notices ----
+
+
+@pytest.mark.parametrize(
+    ("what", "words"),
+    [
+        ("import os, signal; os.kill(os.getpid(), signal.SIGKILL)", "the process died with"),
+        ("import time; time.sleep(1000)", "not done after"),
+        ("raise RuntimeError('unexpected')", "ended with 'RuntimeError: unexpected'"),
+        ("hog = b'1' * 600_000_000; raise ValueError(path + ': no')", " MB"),
+        (
+            "import time; start = time.process_time()\n    while time.process_time() < start + 3: pass\n"
+            "    raise ValueError(path + ': no')",
+            " s, ",
+        ),
+        ("print('[NaN]'); return 0", "could not be checked"),
+        ("return 0", "could not be checked"),
+        ("raise ValueError('no name')", "expected one sentence that names the file"),
+    ],
+)
+def test_a_crash_a_hang_a_hog_and_a_traceback_are_noticed(tmp_path, monkeypatch, what, words):
+    """File 1 is answered by ``what`` instead of the command; files 0 and 2 are as ever."""
+    if not hasattr(os, "fork") and "signal" in what:
+        pytest.skip("no SIGKILL on this system")
+    if not Path("/proc/self/clear_refs").exists() and words == " MB":
+        pytest.skip("the peak of one file is known on Linux only")
+    (tmp_path / "sitecustomize.py").write_text(
+        "from npslam_teach.cli import parser as cli\n"
+        "original, calls = cli.main, []\n"
+        "def broken(path):\n"
+        f"    {what}\n"
+        "def main(arguments):\n"
+        "    calls.append(1)\n"
+        "    if len(calls) != 2: return original(arguments)\n"
+        "    try: return broken(arguments[1])\n"
+        "    except ValueError as error: return cli._explain('npslam_teach', arguments[0], error)\n"
+        "cli.main = main\n",
+        encoding="utf-8",
+    )
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), os.environ["PYTHONPATH"]]))
+    monkeypatch.setattr(sys.modules[__name__], "PATIENCE", 8.0)
+    complaints = complaints_about(campaign("g2o", range(3), tmp_path))
+    assert complaints and complaints[0].startswith("g2o-1") and words in complaints[0]

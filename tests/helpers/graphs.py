@@ -1,0 +1,45 @@
+"""Small random pose graphs for the tests."""
+
+import numpy as np
+
+from npslam_teach import se2
+from npslam_teach.types import BetweenFactors, ObservationFactors, PoseGraph
+
+
+def random_information(rng, count, size):
+    """Well-conditioned symmetric positive definite matrices that are not diagonal."""
+    a = rng.normal(size=(count, size, size))
+    return a @ a.swapaxes(1, 2) + size * np.eye(size)
+
+
+def random_graph(seed, num_poses=12, num_landmarks=4, num_loops=3, noise=0.05, start_noise=0.2) -> PoseGraph:
+    """A wandering chain with loop closures, in which every landmark is seen from several poses."""
+    rng = np.random.default_rng(seed)
+    steps = np.column_stack([np.ones(num_poses - 1), np.zeros(num_poses - 1), rng.normal(0, 0.8, num_poses - 1)])
+    poses = se2.dead_reckoning(steps, [0.5, -0.3, 2.9])
+    landmarks = rng.uniform(-4, 4, (num_landmarks, 2))
+    i = np.concatenate([np.arange(num_poses - 1), rng.integers(0, num_poses - 3, num_loops)])
+    j = np.concatenate([np.arange(1, num_poses), rng.integers(num_poses - 2, num_poses, num_loops)])
+    pose, landmark = np.divmod(np.arange(num_poses * num_landmarks), max(num_landmarks, 1))
+    relative = se2.between(poses[i], poses[j]) + noise * rng.normal(size=(len(i), 3))
+    xy = se2.apply_inverse(poses[pose], landmarks[landmark]) + noise * rng.normal(size=(len(pose), 2))
+    start = poses + start_noise * rng.normal(size=poses.shape) * (np.arange(num_poses) > 0)[:, None]
+    return PoseGraph(
+        start,
+        landmarks + start_noise * rng.normal(size=landmarks.shape),
+        BetweenFactors(i, j, relative, random_information(rng, len(i), 3)),
+        ObservationFactors(pose, landmark, xy, random_information(rng, len(pose), 2)),
+    )
+
+
+def quarrelling_graph(seed, num_poses=40, num_loops=6, quarrel=2.0) -> PoseGraph:
+    """A chain whose steps are good to 0.1 m and whose loop closures, as sure of themselves, are wrong by metres."""
+    rng = np.random.default_rng(seed)
+    poses = np.cumsum(rng.normal(size=(num_poses, 3)) * [1.0, 1.0, 0.5], axis=0)
+    i = np.concatenate([np.arange(num_poses - 1), rng.integers(0, num_poses // 2, num_loops)])
+    j = np.concatenate([np.arange(1, num_poses), rng.integers(num_poses // 2, num_poses, num_loops)])
+    relative = se2.between(poses[i], poses[j]) + 0.1 * rng.normal(size=(len(i), 3))
+    relative[num_poses - 1 :, :2] += quarrel * rng.normal(size=(num_loops, 2))
+    factors = BetweenFactors(i, j, relative, np.tile(100.0 * np.eye(3), (len(i), 1, 1)))
+    nothing = ObservationFactors([], [], np.zeros((0, 2)), np.zeros((0, 2, 2)))
+    return PoseGraph(poses, np.zeros((0, 2)), factors, nothing)

@@ -1,0 +1,308 @@
+"""Ctrl-C at any moment: exit code 130, one line, no temporary file, and every file that exists is whole."""
+
+import contextlib
+import hashlib
+import http.server
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import xml.etree.ElementTree
+
+import numpy as np
+import pytest
+from layouts import small_run
+from PIL import Image
+
+from npslam_teach import datasets, methods
+from npslam_teach.cli import parser
+from npslam_teach.system import interruption
+
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="Windows has no way to send Ctrl-C to one process alone")
+
+# The command line as a process, from the moment on from which it answers Ctrl-C itself. Only the search for an
+# environment is left out: it could begin to install one.
+COMMAND = """
+import os, sys
+from npslam_teach.system import environment, interruption
+from npslam_teach.__main__ import run
+environment.enter_environment = lambda arguments: None
+interruption.end_at_once()
+{before}
+os.write(1, b"ready\\n")
+sys.exit(run())
+"""
+OLD = '{"old": true}'
+
+
+@contextlib.contextmanager
+def started(code, arguments=(), folder=None):
+    """A Python process that has said that it is ready."""
+    command = [sys.executable, "-c", code, *map(str, arguments)]
+    pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(command, cwd=folder, **pipes) as process:
+        try:
+            assert process.stdout.readline() == b"ready\n"
+            yield process
+        finally:
+            process.kill()
+
+
+def interrupted(arguments, wait, folder, before="", signal_number=signal.SIGINT):
+    """Exit code and standard error of a command that gets a signal after ``wait`` (seconds, or a function)."""
+    with started(COMMAND.format(before=before), arguments, folder) as process:
+        wait(process) if callable(wait) else time.sleep(wait)
+        process.send_signal(signal_number)
+        _, err = process.communicate(timeout=120)
+    return process.returncode, err.decode()
+
+
+def assert_answered(code, err):
+    """130 and one line, or 0 and silence; a progress bar rewrites its line and may precede."""
+    lines = [line.rsplit("\r", 1)[-1] for line in err.split("\n")]
+    lines = [line for line in lines if line.strip() and not line.startswith("Downloading data from")]
+    if code == 0:
+        assert not lines, err
+    else:
+        assert code == interruption.EXIT_CODE, err
+        assert len(lines) == 1 and lines[0].endswith(": interrupted"), err
+
+
+def assert_whole(path):
+    """Whether a file can be read to its end."""
+    if path.suffix == ".json":
+        assert json.loads(path.read_text(encoding="utf-8"))
+    elif path.suffix == ".g2o":
+        assert datasets.load_g2o(path).poses.size
+        assert path.read_bytes().endswith(b"\n")
+    elif path.suffix == ".png":
+        with Image.open(path) as picture:
+            picture.load()
+    elif path.suffix == ".svg":
+        xml.etree.ElementTree.parse(path)
+    else:
+        pytest.fail(f"{path.name}: nobody asked for this file")
+
+
+def moments(arguments, folder, count, before=""):
+    """Seconds after the start, spread evenly over the time that the command takes."""
+    begin = time.perf_counter()
+    with started(COMMAND.format(before=before), arguments, folder) as process:
+        _, err = process.communicate(timeout=120)
+    assert process.returncode == 0, err
+    whole = time.perf_counter() - begin
+    return [whole * (k + 0.5) / count for k in range(count)]
+
+
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory):
+    """A folder with a log and a graph."""
+    folder = tmp_path_factory.mktemp("inputs")
+    log, truth = small_run(np.random.default_rng(0), num_poses=40, num_observations=80)
+    *_, last = methods.np_graph(log)
+    datasets.save_log(folder / "run.npz", log, truth)
+    datasets.save_g2o(folder / "graph.g2o", last.graph)
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name", "count"),
+    [
+        (["solve", "run.npz", "--out"], "result.json", 12),
+        (["solve", "run.npz", "--method", "open-loop", "--out"], "result.g2o", 6),
+        (["optimize", "graph.g2o", "--out"], "solved.g2o", 12),
+    ],
+)
+def test_ctrl_c_while_a_result_is_made(inputs, tmp_path, arguments, name, count):
+    arguments = [inputs / entry if (inputs / entry).exists() else entry for entry in arguments] + [tmp_path / name]
+    codes = []
+    for wait in moments(arguments, inputs, count):
+        (tmp_path / name).write_text(OLD)
+        code, err = interrupted(arguments, wait, inputs)
+        assert_answered(code, err)
+        assert [path.name for path in tmp_path.iterdir()] == [name]
+        if code == 0 or (tmp_path / name).read_text() != OLD:
+            assert_whole(tmp_path / name)
+        codes.append(code)
+    assert interruption.EXIT_CODE in codes
+
+
+def test_ctrl_c_while_the_paper_is_reproduced(inputs, tmp_path):
+    arguments = ["reproduce", "--data", inputs / "run.npz", "--methods", "open-loop", "--figures", tmp_path / "figures"]
+    codes = []
+    for wait in moments(arguments, tmp_path, 6):
+        code, err = interrupted(arguments, wait, tmp_path)
+        assert_answered(code, err)
+        for path in tmp_path.rglob("*"):
+            assert path.is_dir() or assert_whole(path) is None
+        codes.append(code)
+    assert interruption.EXIT_CODE in codes
+
+
+@pytest.mark.parametrize("files_before", [0, 1, 2, 4])
+def test_ctrl_c_while_figures_are_drawn(tmp_path, files_before):
+    """The signal comes the moment a temporary file appears after so many complete ones."""
+    folder = tmp_path / "figures"
+
+    def writing(process):
+        complete = []
+        while process.poll() is None:
+            names = os.listdir(folder) if folder.exists() else []
+            complete = [name for name in names if not name.startswith(".tmp-")]
+            if len(complete) >= files_before and len(names) > len(complete):
+                return
+
+    code, err = interrupted(["figures", "--out", folder], writing, tmp_path)
+    assert_answered(code, err)
+    assert code == interruption.EXIT_CODE
+    assert len(list(folder.iterdir())) >= files_before
+    for path in folder.iterdir():
+        assert_whole(path)
+
+
+# ---- fetch ----
+
+CONTENTS = os.urandom(100_000)
+
+
+class Slowly(http.server.BaseHTTPRequestHandler):
+    """Sends the file in forty pieces with pauses between them."""
+
+    def do_GET(self):
+        self.send_response(200)
+        self.send_header("Content-Length", str(len(CONTENTS)))
+        self.end_headers()
+        with contextlib.suppress(OSError):  # whoever is interrupted hangs up
+            for start in range(0, len(CONTENTS), 2_500):
+                self.wfile.write(CONTENTS[start : start + 2_500])
+                time.sleep(0.005)
+
+    def log_message(self, *_):
+        """Nothing."""
+
+
+@pytest.fixture
+def server():
+    """The address of a server with one file."""
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Slowly)
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    yield f"http://127.0.0.1:{server.server_port}/"
+    server.shutdown()
+    thread.join()
+    server.server_close()
+
+
+def test_ctrl_c_while_a_file_is_fetched(tmp_path, server, monkeypatch):
+    pytest.importorskip("pooch")
+    for name in ("http_proxy", "HTTP_PROXY", "all_proxy", "ALL_PROXY", "NPSLAM_TEACH_DATA"):
+        monkeypatch.delenv(name, raising=False)
+    cache, digest = tmp_path / "cache", hashlib.sha256(CONTENTS).hexdigest()
+    before = (
+        "import pooch\n"
+        "from npslam_teach.datasets import download\n"
+        f"download._URL = {server!r}\n"
+        f"download._SIMULATION = download._Original('simulation.mat', 'mu2016_simulation.mat', {digest!r})\n"
+        f"pooch.os_cache = lambda project: {str(cache)!r}\n"
+    )
+    codes = []
+    for wait in moments(["fetch", "simulation"], tmp_path, 12, before):
+        (cache / "mu2016_simulation.mat").unlink(missing_ok=True)
+        code, err = interrupted(["fetch", "simulation"], wait, tmp_path, before)
+        assert_answered(code, err)
+        found = {path.name: path.read_bytes() for path in cache.iterdir()}
+        assert found in ({}, {"mu2016_simulation.mat": CONTENTS})
+        assert code != 0 or found
+        codes.append(code)
+    assert interruption.EXIT_CODE in codes
+
+
+# ---- atomic_write itself ----
+
+WRITER = """
+import os, sys, time
+from npslam_teach.system import files, interruption
+interruption.end_at_once()
+os.write(1, b"ready\\n")
+for k in range(100_000):
+    with files.atomic_write(f"{k % 3}.txt") as stream:
+        for line in range(50):
+            stream.write(f"line {line}\\n" * 200)
+            stream.flush()
+"""
+WHOLE = "".join(f"line {line}\n" * 200 for line in range(50))
+
+
+@pytest.mark.parametrize("signal_number", [signal.SIGINT, signal.SIGTERM])
+def test_a_file_is_whole_or_not_there(tmp_path, signal_number):
+    for k in range(25):
+        with started(WRITER, folder=tmp_path) as process:
+            time.sleep(0.0123 * k)
+            process.send_signal(signal_number)
+            process.communicate(timeout=60)
+        unfinished = {path for path in tmp_path.iterdir() if path.name.startswith(".tmp-")}
+        assert not unfinished or signal_number == signal.SIGTERM, "only who is killed may leave a temporary file"
+        for path in set(tmp_path.iterdir()) - unfinished:
+            assert path.read_text() == WHOLE
+
+
+def test_a_second_ctrl_c_does_not_interrupt_the_tidying_up(tmp_path):
+    code = """
+import os, signal, sys, time
+from npslam_teach.system import interruption
+interruption.end_at_once()
+with interruption.critical_section():
+    try:
+        os.write(1, b"ready\\n")
+        time.sleep(60)
+    except KeyboardInterrupt:
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0.2)
+        os.write(1, b"tidy\\n")
+"""
+    with started(code) as process:
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+    assert (process.returncode, out, err) == (0, b"tidy\n", b"")
+
+
+@pytest.mark.parametrize("busy", ["pass", "importlib.reload(json.decoder)", "Loud()"])
+def test_ctrl_c_where_python_would_print_a_traceback(busy):
+    """In a loop, in an import, in a destructor, where it would even be swallowed."""
+    code = f"""
+import importlib, json, os
+from npslam_teach.system import interruption
+class Loud:
+    def __del__(self):
+        sum(range(1000))
+interruption.end_at_once()
+os.write(1, b"ready\\n")
+while True:
+    {busy}
+"""
+    with started(code) as process:
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=60)
+    assert (process.returncode, err) == (interruption.EXIT_CODE, b"npslam_teach: interrupted\n")
+
+
+def test_ctrl_c_after_the_end_changes_nothing(tmp_path):
+    before = 'import atexit, time\natexit.register(lambda: (os.write(1, b"ready\\n"), time.sleep(1)))'
+    code = COMMAND.format(before=before).replace('os.write(1, b"ready\\n")\nsys', "sys")
+    with started(code, ["figures", "--out", ""], tmp_path) as process:
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=60)
+    assert process.returncode == 2
+    assert err.count(b"\n") == 1 and b"name of a folder" in err
+
+
+def test_a_notebook_survives_ctrl_c(tmp_path):
+    """Only the process of the command line ends at once; whoever calls ``parser.main`` keeps Python's own answer."""
+    log, truth = small_run(np.random.default_rng(0))
+    datasets.save_log(tmp_path / "run.npz", log, truth)
+    before = signal.getsignal(signal.SIGINT)
+    assert parser.main(["solve", str(tmp_path / "run.npz"), "--json"]) == 0
+    assert signal.getsignal(signal.SIGINT) is before

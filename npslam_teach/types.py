@@ -159,18 +159,27 @@ class ObservationFactors:
 
 @dataclass(frozen=True, eq=False)
 class PoseGraph:
-    """Estimates of poses and landmarks, and the factors that tie them together."""
+    """Estimates of poses and landmarks, and the factors that tie them together.
+
+    What is fixed stays where it is when the graph is solved: pose 0, unless something else is asked for.
+    """
 
     poses: np.ndarray  # (T, 3) W
     landmarks: np.ndarray  # (K, 2) m, W
     between: BetweenFactors
     observations: ObservationFactors
+    fixed_poses: np.ndarray = (0,)  # indices, each once
+    fixed_landmarks: np.ndarray = ()  # indices, each once
 
     def __post_init__(self):
         _set(self, "poses", (None, 3))
         _set(self, "landmarks", (None, 2))
+        _set(self, "fixed_poses", (None,), int)
+        _set(self, "fixed_landmarks", (None,), int)
         if len(self.poses) == 0:
             raise ValueError("poses: expected at least one pose, got none")
+        if len(self.fixed_poses) + len(self.fixed_landmarks) == 0:
+            raise ValueError("fixed_poses: expected at least one fixed pose or landmark, got none")
         for name, index, high, what in (
             ("between.i", self.between.i, len(self.poses), "the index of a pose"),
             ("between.j", self.between.j, len(self.poses), "the index of a pose"),
@@ -181,6 +190,8 @@ class PoseGraph:
                 len(self.landmarks),
                 "the index of a landmark",
             ),
+            ("fixed_poses", self.fixed_poses, len(self.poses), "the index of a pose"),
+            ("fixed_landmarks", self.fixed_landmarks, len(self.landmarks), "the index of a landmark"),
         ):
             require_range(name, index, 0, high, what)
 

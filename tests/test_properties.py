@@ -239,7 +239,7 @@ def test_a_log_holds_nothing_but_what_was_measured(run):
 
 
 def solved(graph, tolerance=1e-13):
-    *_, last = pose_graph.gauss_newton(graph, tolerance)
+    *_, last = pose_graph.levenberg_marquardt(graph, tolerance)
     return last
 
 
@@ -311,7 +311,7 @@ def test_the_solver_answers_with_numbers_or_with_a_reason(graph):
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # an overflow or a division by zero is not an answer
         try:
-            steps = list(pose_graph.gauss_newton(graph, max_iterations=30))
+            steps = list(pose_graph.levenberg_marquardt(graph, max_iterations=30))
         except np.linalg.LinAlgError as error:
             assert any(word in str(error) for word in ("pose ", "landmark ", "singular")), error
             return
@@ -339,7 +339,7 @@ def test_what_is_cut_off_is_named(graph, seed):
         observations=ObservationFactors(seen.pose[g], seen.landmark[g], seen.xy[g], seen.information[g]),
     )
     with pytest.raises(np.linalg.LinAlgError) as caught:
-        list(pose_graph.gauss_newton(cut))
+        list(pose_graph.levenberg_marquardt(cut))
     named = str(caught.value).split(" is not tied")[0].split()
     assert named[0] in ("pose", "landmark")
     if len(graph.landmarks):  # every other pose still sees the landmarks
@@ -353,7 +353,7 @@ import json, sys
 sys.path.insert(0, {tests!r})
 from graphs import random_graph
 from npslam_teach import pose_graph
-*_, last = pose_graph.gauss_newton(random_graph(3, num_poses=400, num_landmarks=60, num_loops=40))
+*_, last = pose_graph.levenberg_marquardt(random_graph(3, num_poses=400, num_landmarks=60, num_loops=40))
 pose_cov, _ = pose_graph.marginal_covariance(last.graph, [399])
 print(json.dumps([last.chi2, last.graph.poses.tolist(), last.graph.landmarks.tolist(), pose_cov.tolist()]))
 """

@@ -114,7 +114,7 @@ def optimize(options) -> int:
     for _ in tqdm(range(options.repeat or 1), desc="optimize", unit="run", delay=2, leave=False):
         begin = time.perf_counter()
         with files.prefix_errors(options.graph):
-            steps = pose_graph.descend(graph, options.tolerance)
+            steps = pose_graph.minimize(graph, options.tolerance)
         seconds.append(time.perf_counter() - begin)
     result = reports.optimize_result(steps, pose_graph.chi2(graph), seconds if options.repeat else seconds[0])
     write(result, steps[-1].graph)

@@ -7,7 +7,7 @@ A consistent estimate has chi2 near its degrees of freedom, and a share p of its
 import numpy as np
 
 from npslam_teach.association import without_empty_objects
-from npslam_teach.pose_graph import chi2, fit
+from npslam_teach.pose_graph import chi2, fit, squared_radius
 from npslam_teach.types import GroundTruth, PoseGraph, RobotLog
 
 
@@ -64,4 +64,4 @@ def share_inside(xy: np.ndarray, mean: np.ndarray, cov: np.ndarray, share: float
     """
     off = xy - np.asarray(mean)
     squared = np.sum(off * np.linalg.solve(cov, off.T).T, axis=1)
-    return float(np.mean(squared < -2 * np.log(1 - share)))
+    return float(np.mean(squared < squared_radius(share)))

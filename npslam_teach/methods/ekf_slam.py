@@ -13,7 +13,7 @@ import numpy as np
 
 from npslam_teach.methods.ekf import new_filter, predict, squared_distances, update, with_new_object
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
-from npslam_teach.pose_graph import observation_factors, odometry_factors
+from npslam_teach.pose_graph import observation_factors, odometry_factors, squared_radius
 from npslam_teach.types import PoseGraph, RobotLog, Snapshot
 from npslam_teach.validation import checked_array
 
@@ -171,8 +171,6 @@ def assign(squared_distance: np.ndarray, gate: float, new_gate: float) -> np.nda
 def squared_gates(gate: float, new_gate: float) -> tuple[float, float]:
     """The gates as squared Mahalanobis distances: quantiles of chi-squared with 2 degrees of freedom.
 
-    With two degrees it is an exponential distribution, so its quantile is ``-2 log(1 - p)``.
-
     Raises:
         ValueError: a gate is no probability below 1, or the second is inside the first.
     """
@@ -180,7 +178,7 @@ def squared_gates(gate: float, new_gate: float) -> tuple[float, float]:
         raise ValueError(f"gate: expected a probability between 0 and 1, got {gate}")
     if not gate <= new_gate < 1:
         raise ValueError(f"new_gate: expected a probability from gate = {gate} to below 1, got {new_gate}")
-    return -2 * math.log1p(-gate), -2 * math.log1p(-new_gate)
+    return squared_radius(gate), squared_radius(new_gate)
 
 
 def _absorb(ekf, decision: np.ndarray, xy: np.ndarray, observation_std: np.ndarray):

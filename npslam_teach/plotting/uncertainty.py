@@ -16,14 +16,12 @@ from npslam_teach.plotting.style import (
     legend_below,
     new_figure,
 )
-from npslam_teach.pose_graph import marginal_covariance
+from npslam_teach.pose_graph import marginal_covariance, squared_radius
 from npslam_teach.types import PoseGraph
 
 
 def ellipse_points(mean: np.ndarray, cov: np.ndarray, share: float = 0.95) -> np.ndarray:
     """The ellipse that holds a share of a Gaussian in the plane; (100, 2) m.
-
-    In two dimensions the squared Mahalanobis distance is exponential with mean 2, so its quantile is ``-2 log(1 - p)``.
 
     Args:
         mean: (2,) m.
@@ -35,7 +33,7 @@ def ellipse_points(mean: np.ndarray, cov: np.ndarray, share: float = 0.95) -> np
     # The root of a covariance without rank is needed too: a sensor that errs in one direction only.
     values, vectors = np.linalg.eigh(cov)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
-    return mean + np.sqrt(-2 * np.log(1 - share)) * circle @ root.T
+    return mean + np.sqrt(squared_radius(share)) * circle @ root.T
 
 
 def uncertainty_figure(cases: dict, class_names) -> Figure:
@@ -92,5 +90,5 @@ def ellipse(xy: np.ndarray, cov: np.ndarray, probability: float = 0.95, **style)
     """
     variances, axes = np.linalg.eigh(cov)
     # In two dimensions the squared distance, in standard deviations, is exponential with mean 2.
-    width, height = 2 * np.sqrt(-2 * np.log(1 - probability) * np.maximum(variances, 0.0))
+    width, height = 2 * np.sqrt(squared_radius(probability) * np.maximum(variances, 0.0))
     return Ellipse(xy, width, height, angle=np.rad2deg(np.arctan2(axes[1, 0], axes[0, 0])), **style)

@@ -124,7 +124,7 @@ def _slots(groups, above: np.ndarray, indptr: np.ndarray, first: np.ndarray) -> 
         place = indptr[first[high] + right] + above[begin:end] + down
         place[(low == FIXED) | ((low == high) & (down > right))] = nowhere
         indices[place] = first[low] + down
-        mirrored = group.rows > group.cols
+        mirrored = (group.rows > group.cols) & (low != FIXED)
         if mirrored.any():
             place = np.where(mirrored, place.swapaxes(0, 1), place)
         slots.append(place.ravel())

@@ -1,10 +1,14 @@
 """How sure the answer is: covariances of single poses and landmarks, all others integrated out."""
 
+import math
+
 import numpy as np
 
+from npslam_teach.pose_graph.block_sparsity import FIXED
 from npslam_teach.pose_graph.factorization import factorizer
 from npslam_teach.pose_graph.linearization import graph_structure, normal_equations, residuals
-from npslam_teach.pose_graph.observability import require_determined, require_touched
+from npslam_teach.pose_graph.observability import require_factors, require_observable
+from npslam_teach.pose_graph.unknowns import unknowns_of
 from npslam_teach.types import PoseGraph
 from npslam_teach.validation import checked_index
 
@@ -12,7 +16,7 @@ from npslam_teach.validation import checked_index
 def marginal_covariance(graph: PoseGraph, poses=(), landmarks=()) -> tuple[np.ndarray, np.ndarray]:
     """Covariances of single poses and landmarks, all others integrated out: blocks of the inverse of H.
 
-    They are relative to pose 0, whose own covariance is zero, and mean what they say at the minimum of chi2.
+    They are relative to what is fixed (pose 0), whose own covariance is zero, and hold at the minimum of chi2.
 
     Args:
         graph: at its minimum.
@@ -28,10 +32,9 @@ def marginal_covariance(graph: PoseGraph, poses=(), landmarks=()) -> tuple[np.nd
     """
     poses = checked_index("poses", poses, len(graph.poses))
     landmarks = checked_index("landmarks", landmarks, len(graph.landmarks))
-    solve, num_unknowns = _solver_of(graph)
-    pose_cov = np.zeros((len(poses), 3, 3))
-    pose_cov[poses > 0] = _inverse_blocks(solve, _pose_unknowns(poses[poses > 0]), num_unknowns)
-    return pose_cov, _inverse_blocks(solve, _landmark_unknowns(graph, landmarks), num_unknowns)
+    solve, unknowns = _solver_of(graph), unknowns_of(graph)
+    of_poses, of_landmarks = unknowns.of("poses", poses, 3), unknowns.of("landmarks", landmarks, 2)
+    return _inverse_blocks(solve, of_poses, unknowns.count), _inverse_blocks(solve, of_landmarks, unknowns.count)
 
 
 def joint_covariance(graph: PoseGraph, pose: int, landmarks) -> np.ndarray:
@@ -51,42 +54,53 @@ def joint_covariance(graph: PoseGraph, pose: int, landmarks) -> np.ndarray:
     """
     pose = checked_index("pose", pose, len(graph.poses))
     landmarks = checked_index("landmarks", landmarks, len(graph.landmarks))
-    solve, num_unknowns = _solver_of(graph)
-    of_landmarks = _landmark_unknowns(graph, landmarks)
-    covariance = np.zeros((len(landmarks), 5, 5))
-    if pose[0] == 0:  # it is known
-        covariance[:, 3:, 3:] = _inverse_blocks(solve, of_landmarks, num_unknowns)
-        return covariance
-    unknowns = np.column_stack([np.repeat(_pose_unknowns(pose), len(landmarks), axis=0), of_landmarks])
-    return _inverse_blocks(solve, unknowns, num_unknowns)
+    solve, unknowns = _solver_of(graph), unknowns_of(graph)
+    of_pose, of_landmarks = unknowns.of("poses", pose, 3), unknowns.of("landmarks", landmarks, 2)
+    both = np.column_stack([np.repeat(of_pose, len(landmarks), axis=0), of_landmarks])
+    return _inverse_blocks(solve, both, unknowns.count)
+
+
+def squared_radius(probability: float) -> float:
+    """The squared Mahalanobis radius of the ellipse that holds a share of a Gaussian in the plane.
+
+    With two degrees of freedom chi2 is exponential with mean 2, so its quantile is ``-2 log(1 - p)``.
+
+    Args:
+        probability: in [0, 1).
+    """
+    return -2 * math.log1p(-probability)
 
 
 def _solver_of(graph: PoseGraph):
-    """A function that solves with H, and how many unknowns it has."""
-    require_touched(graph)
+    """A function that solves with H."""
+    require_factors(graph)
     structure = graph_structure(graph)
     data, _ = normal_equations(graph, structure, residuals(graph))
     factorize = factorizer(structure)
-    require_determined(graph, structure, data, factorize)
-    return factorize(data), structure.num_unknowns
-
-
-def _pose_unknowns(poses: np.ndarray) -> np.ndarray:
-    return 3 * (poses[:, None] - 1) + np.arange(3)
-
-
-def _landmark_unknowns(graph: PoseGraph, landmarks: np.ndarray) -> np.ndarray:
-    return 3 * (len(graph.poses) - 1) + 2 * landmarks[:, None] + np.arange(2)
+    require_observable(graph, structure, data, factorize)
+    return factorize(data)
 
 
 def _inverse_blocks(solve, unknowns: np.ndarray, num_unknowns: int, batch: int = 256) -> np.ndarray:
-    """Diagonal blocks of the inverse of H: (B, k, k) for (B, k) unknowns, a batch of columns at a time."""
+    """Diagonal blocks of the inverse of H, a batch of columns at a time; what is fixed is certain.
+
+    Args:
+        solve: solves with H for (n, k) right-hand sides.
+        unknowns: (B, k) of each block; FIXED for what has no place in H.
+        num_unknowns: n.
+        batch: how many blocks at once.
+
+    Returns:
+        (B, k, k).
+    """
     num_blocks, size = unknowns.shape
-    columns = np.empty((num_blocks, size, size))
-    for begin in range(0, num_blocks, batch):
+    covariance = np.zeros((num_blocks, size, size))
+    for begin in range(0, num_blocks if num_unknowns else 0, batch):
         wanted = unknowns[begin : begin + batch]
+        free = wanted != FIXED
         rhs = np.zeros((num_unknowns, wanted.size))
-        rhs[wanted.ravel(), np.arange(wanted.size)] = 1.0
+        rhs[wanted[free], np.flatnonzero(free)] = 1.0
         solution = solve(rhs).reshape(num_unknowns, len(wanted), size)
-        columns[begin : begin + batch] = solution[wanted, np.arange(len(wanted))[:, None], :]
-    return 0.5 * (columns + columns.swapaxes(1, 2))
+        columns = solution[wanted, np.arange(len(wanted))[:, None], :]
+        covariance[begin : begin + batch] = np.where(free[:, :, None], columns, 0.0)
+    return 0.5 * (covariance + covariance.swapaxes(1, 2))

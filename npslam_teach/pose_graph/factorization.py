@@ -51,6 +51,27 @@ def factorizer(structure: BlockStructure, library: str | None = None) -> Callabl
     return factorize_once
 
 
+def solve_once(matrix, rhs: np.ndarray) -> np.ndarray:
+    """Solve one sparse symmetric or Hermitian system.
+
+    Its variables are taken out in an order of minimum degree, which keeps its factors sparse.
+
+    Args:
+        matrix: (n, n), SciPy sparse.
+        rhs: (n,).
+
+    Raises:
+        numpy.linalg.LinAlgError: the matrix is singular.
+    """
+    from scipy.sparse.linalg import splu
+
+    options = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+    try:
+        return _finite(splu(matrix.tocsc(), **options).solve(rhs)) if len(rhs) else rhs
+    except RuntimeError:  # "Factor is exactly singular"
+        raise np.linalg.LinAlgError(SINGULAR) from None
+
+
 class _Qdldl:
     """L D L^T of the upper triangle; the library finds its own fill-reducing order, once."""
 

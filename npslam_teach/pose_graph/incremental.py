@@ -6,8 +6,8 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.pose_graph.covariance import joint_covariance
-from npslam_teach.pose_graph.levenberg_marquardt import optimize
 from npslam_teach.pose_graph.linearization import chi2
+from npslam_teach.pose_graph.multi_start import optimize
 from npslam_teach.pose_graph.observability import require_connected
 from npslam_teach.types import BetweenFactors, ObservationFactors, PoseGraph
 from npslam_teach.validation import checked_array, checked_index

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.pose_graph.levenberg_marquardt import optimize
+from npslam_teach.pose_graph.multi_start import optimize
 from npslam_teach.types import BetweenFactors, ObservationFactors, PoseGraph, RobotLog
 from npslam_teach.validation import checked_array
 

@@ -2,11 +2,8 @@
 
 Around the present estimate every residual is nearly linear, ``r + J dx``. The step that makes
 ``sum (r + J dx)^T Omega (r + J dx)`` smallest solves ``H dx = -b`` with ``H = sum J^T Omega J`` and
-``b = sum J^T Omega r`` (Grisetti et al., "A Tutorial on Graph-Based SLAM", 2010).
-
-The unknowns are the world coordinates ``[x, y, theta]`` of poses 1, 2, ... and then ``[x, y]`` of the landmarks. Pose 0
-is left out: the whole map could be shifted and turned without any measurement noticing, and this freedom, the *gauge*,
-is removed by holding one pose still.
+``b = sum J^T Omega r`` (Grisetti et al., "A Tutorial on Graph-Based SLAM", 2010). ``unknowns`` says which number of dx
+is which.
 """
 
 from typing import NamedTuple
@@ -15,33 +12,23 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.pose_graph.block_sparsity import BlockGroup, BlockStructure, block_structure
-from npslam_teach.pose_graph.residuals import (
-    between_jacobians,
-    between_residual,
-    observation_jacobians,
-    observation_residual,
-)
+from npslam_teach.pose_graph.factor_kinds import FACTOR_KINDS
+from npslam_teach.pose_graph.unknowns import VARIABLES, unknowns_of
 from npslam_teach.types import PoseGraph
 
 
 class Residuals(NamedTuple):
     """How far every factor is from being satisfied, and all of it in one number."""
 
-    between: np.ndarray  # (E, 3) m, m, rad
-    observations: np.ndarray  # (M, 2) m
+    by_kind: tuple[np.ndarray, ...]  # (E, d) for every kind of factor, in the frame of the measuring pose
     chi2: float  # the sum of r^T Omega r, no one-half
 
 
 def residuals(graph: PoseGraph) -> Residuals:
     """The residuals of all factors at the present estimate."""
-    poses, between, observations = graph.poses, graph.between, graph.observations
-    r_between = between_residual(poses[between.i], poses[between.j], between.relative_pose)
-    seen = graph.landmarks[observations.landmark]
-    r_observations = observation_residual(poses[observations.pose], seen, observations.xy)
-    value = _weighted_square(r_between, between.information) + _weighted_square(
-        r_observations, observations.information
-    )
-    return Residuals(r_between, r_observations, value)
+    by_kind = tuple(kind.residuals(graph) for kind in FACTOR_KINDS)
+    parts = zip(by_kind, (kind.information(graph) for kind in FACTOR_KINDS), strict=True)
+    return Residuals(by_kind, sum(_weighted_square(residual, information) for residual, information in parts))
 
 
 def chi2(graph: PoseGraph) -> float:
@@ -53,8 +40,8 @@ def linearize(graph: PoseGraph):
     """The normal equations at the present estimate.
 
     Returns:
-        H (n, n) ``scipy.sparse.csc_array``, b (n,) and chi2. Unknowns: poses 1.. (three each), then landmarks (two
-        each). Pose 0 is left out.
+        H (n, n) ``scipy.sparse.csc_array``, b (n,) and chi2. Unknowns: the free poses (three each; pose 0 is fixed
+        unless the graph says otherwise), then the landmarks (two each).
     """
     structure, at = graph_structure(graph), residuals(graph)
     data, b = normal_equations(graph, structure, at)
@@ -62,19 +49,14 @@ def linearize(graph: PoseGraph):
 
 
 def graph_structure(graph: PoseGraph) -> BlockStructure:
-    """Where the blocks of H go: blocks 0.. are poses 1.., then come the landmarks; pose 0 is held still."""
-    free_poses = len(graph.poses) - 1
-    i, j, pose = graph.between.i - 1, graph.between.j - 1, graph.observations.pose - 1  # pose 0 becomes FIXED
-    landmark = graph.observations.landmark + free_poses
-    groups = [
-        BlockGroup(i, i, 3, 3),
-        BlockGroup(i, j, 3, 3),
-        BlockGroup(j, j, 3, 3),
-        BlockGroup(pose, pose, 3, 3),
-        BlockGroup(pose, landmark, 3, 2),
-        BlockGroup(landmark, landmark, 2, 2),
-    ]
-    return block_structure(np.repeat([3, 2], [free_poses, len(graph.landmarks)]), groups)
+    """Where the blocks of H go: a row and a column of blocks for every free variable, in the order of dx."""
+    unknowns, groups = unknowns_of(graph), []
+    for kind in FACTOR_KINDS:
+        (a, size_a), (b, size_b) = (
+            (unknowns.block[end.variable][end.index], end.estimate.shape[1]) for end in kind.ends(graph)
+        )
+        groups += [BlockGroup(a, a, size_a, size_a), BlockGroup(a, b, size_a, size_b), BlockGroup(b, b, size_b, size_b)]
+    return block_structure(unknowns.sizes, groups)
 
 
 def normal_equations(graph: PoseGraph, structure: BlockStructure, at: Residuals) -> tuple[np.ndarray, np.ndarray]:
@@ -88,59 +70,52 @@ def normal_equations(graph: PoseGraph, structure: BlockStructure, at: Residuals)
     Returns:
         the ``data`` (nnz,) of the structure's upper triangle, and b (n,).
     """
-    poses, landmarks, between, observations = graph.poses, graph.landmarks, graph.between, graph.observations
-    i, j, pose, landmark = between.i, between.j, observations.pose, observations.landmark
     values = structure.scratch
-    blocks = structure.blocks(values)
-    jacobians = between_jacobians(poses[i], poses[j])
-    b_i, b_j = _fill(blocks[:3], *jacobians, between.information, at.between)
-    jacobians = observation_jacobians(poses[pose], landmarks[landmark])
-    b_pose, b_landmark = _fill(blocks[3:], *jacobians, observations.information, at.observations)
-
-    b_poses = sum(_added_up(k, b, len(poses)) for k, b in ((i, b_i), (j, b_j), (pose, b_pose)))
-    b_landmarks = _added_up(landmark, b_landmark, len(landmarks))
-    return structure.gather(values), np.concatenate([b_poses[1:].ravel(), b_landmarks.ravel()])
+    blocks, b = iter(structure.blocks(values)), dict.fromkeys(VARIABLES, 0.0)
+    for kind, residual in zip(FACTOR_KINDS, at.by_kind, strict=True):
+        ends = kind.ends(graph)
+        jacobians = kind.jacobians(*(end.estimate for end in ends))
+        shares = _fill([next(blocks) for _ in range(3)], *jacobians, kind.information(graph), residual)
+        for end, share in zip(ends, shares, strict=True):
+            b[end.variable] = b[end.variable] + _added_up(end.index, share, len(getattr(graph, end.variable)))
+    return structure.gather(values), unknowns_of(graph).flatten(b)
 
 
 def second_order_term(graph: PoseGraph, structure: BlockStructure, at: Residuals) -> np.ndarray:
     """What Gauss-Newton leaves out of the second derivative of chi2 / 2: ``sum (Omega r)^T d^2 r``, in its places.
 
-    Residuals that are small or nearly straight make it small beside H. A long chain that wheels and camera bend against
-    each other makes it matter: there ``H + second_order_term`` is the slope of b, and H alone is not.
+    It is small beside H where the residuals are small or nearly linear. In a large-residual problem, such as a long
+    chain that odometry and observations bend against each other, it matters: there ``H + second_order_term`` is the
+    derivative of b, and H alone is not (Nocedal and Wright, "Numerical Optimization", 2006, section 10.3).
 
     Args: as in ``normal_equations``.
 
     Returns:
         (nnz,) for the upper triangle, like the ``data`` of H. Their sum need not be positive definite.
     """
-    poses, landmarks, between, observations = graph.poses, graph.landmarks, graph.between, graph.observations
-    steps = poses[between.j, :2] - poses[between.i, :2]
-    sights = landmarks[observations.landmark] - poses[observations.pose, :2]
-    pulls = _weighted(at.between, between.information)[:, :2]
-    more_pulls = _weighted(at.observations, observations.information)
     values = structure.scratch
     values.fill(0.0)
-    blocks = structure.blocks(values)
-    _fill_second_order_term(blocks[:2], poses[between.i, 2], steps, pulls)
-    _fill_second_order_term(blocks[3:5], poses[observations.pose, 2], sights, more_pulls)
+    blocks = iter(structure.blocks(values))
+    for kind, residual in zip(FACTOR_KINDS, at.by_kind, strict=True):
+        (a, b), (aa, ab, _) = kind.ends(graph), (next(blocks) for _ in range(3))
+        force = _weighted(residual, kind.information(graph))[:, :2]
+        _fill_second_order_term(aa, ab, a.estimate[:, 2], b.estimate[:, :2] - a.estimate[:, :2], force)
     return structure.gather(values)
 
 
-def _fill_second_order_term(
-    blocks: list[np.ndarray], theta: np.ndarray, difference: np.ndarray, pull: np.ndarray
-) -> None:
-    """Write the second derivatives of ``pull . R(theta)^T (b - a)``, by pose a = (xy, theta) and b, into blocks aa, ab.
+def _fill_second_order_term(aa: np.ndarray, ab: np.ndarray, theta, difference, force) -> None:
+    """Write the second derivatives of ``force . R(theta)^T (b - a)``, by pose a = (xy, theta) and by b.
 
-    The derivative by b, ``R pull``, turns with theta; whatever depends on b - a alone is linear and does not curve.
+    The derivative by b, ``R force``, turns with theta; whatever depends on b - a alone is linear.
 
     Args:
-        blocks: (3, 3, E) and (3, 2 or 3, E), zero.
+        aa: (3, 3, E), zero.
+        ab: (3, 2 or 3, E), zero.
         theta: (E,) rad.
         difference: (E, 2) m, b - a in W.
-        pull: (E, 2) Omega r, held still.
+        force: (E, 2) Omega r, held still.
     """
-    aa, ab = blocks
-    gradient = se2.rotate(theta, pull).T
+    gradient = se2.rotate(theta, force).T
     turned = np.stack([-gradient[1], gradient[0]])
     aa[:2, 2] = aa[2, :2] = -turned
     aa[2, 2] = -(gradient * difference.T).sum(axis=0)

@@ -1,43 +1,46 @@
-"""Do the measurements determine every pose and landmark? If not, which one is loose?
+"""Do the measurements determine every pose and landmark? If not, which one is under-constrained?
 
-A variable that no chain of factors ties to pose 0 is found by walking the graph. Others are tied, and can still move
-without any measurement noticing: a pose that sees a single object may circle around it. These show as a direction in
-which H has no curvature.
+A variable that no chain of factors ties to a fixed one is found by walking the graph. Others are tied and still not
+observable: a pose that sees a single landmark may circle around it. They show as a direction in the null space of H.
 """
 
 import numpy as np
 
 from npslam_teach.pose_graph.block_sparsity import BlockStructure
-from npslam_teach.pose_graph.residuals import between_jacobians, observation_jacobians
+from npslam_teach.pose_graph.factor_kinds import FACTOR_KINDS
+from npslam_teach.pose_graph.unknowns import VARIABLES, name_of, steps_by_variable
 from npslam_teach.types import PoseGraph
 
-SUSPICIOUS = 1e10  # how much weaker than its own diagonal H may be in some direction before anybody looks closer
-UNNOTICED = 1e-20  # a squared change of all residuals that is nothing but rounding, for a step of unit size
+CONDITION_LIMIT = 1e10  # how much weaker than its own diagonal H may be in some direction before it is looked at closer
+NULL = 1e-20  # a squared change of all residuals that is nothing but rounding, for a step of unit size
 
 
-def require_touched(graph: PoseGraph) -> None:
+def require_factors(graph: PoseGraph) -> None:
     """Raise ``numpy.linalg.LinAlgError`` that names a variable which has no factor at all."""
     num_nodes = len(graph.poses) + len(graph.landmarks)
-    touched = np.bincount(np.concatenate(_factor_ends(graph), axis=1).ravel(), minlength=num_nodes)
-    if not touched[1:].all():
+    has_factor = np.bincount(_edges(graph).ravel(), minlength=num_nodes) > 0
+    has_factor[_fixed_nodes(graph)] = True
+    if not has_factor.all():
         require_connected(graph)
 
 
 def require_connected(graph: PoseGraph) -> None:
-    """Raise ``numpy.linalg.LinAlgError`` that names a variable which no chain of factors ties to pose 0."""
+    """Raise ``numpy.linalg.LinAlgError`` that names a variable which no chain of factors ties to a fixed one."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    num_nodes, ends = len(graph.poses) + len(graph.landmarks), np.concatenate(_factor_ends(graph), axis=1)
-    edges = coo_array((np.ones(ends.shape[1]), tuple(ends)), shape=(num_nodes, num_nodes))
-    _, component = connected_components(edges, directed=False)
-    loose = np.flatnonzero(component != component[0])
-    if loose.size:
-        raise np.linalg.LinAlgError(f"{_name(graph, loose[0])} is not tied to pose 0 by any chain of factors")
+    num_nodes, edges = len(graph.poses) + len(graph.landmarks), _edges(graph)
+    adjacency = coo_array((np.ones(edges.shape[1]), tuple(edges)), shape=(num_nodes, num_nodes))
+    _, component = connected_components(adjacency, directed=False)
+    fixed = _fixed_nodes(graph)
+    apart = np.flatnonzero(~np.isin(component, component[fixed]))
+    if apart.size:
+        anchor = _node_name(graph, fixed[0]) if len(fixed) == 1 else "any fixed vertex"
+        raise np.linalg.LinAlgError(f"{_node_name(graph, apart[0])} is not tied to {anchor} by any chain of factors")
 
 
-def require_determined(graph: PoseGraph, structure: BlockStructure, data: np.ndarray, factorize) -> None:
-    """Raise ``numpy.linalg.LinAlgError`` that names a variable which can move without any measurement noticing.
+def require_observable(graph: PoseGraph, structure: BlockStructure, data: np.ndarray, factorize) -> None:
+    """Raise ``numpy.linalg.LinAlgError`` that names a variable which the factors do not determine.
 
     Args:
         graph: the estimate at which H was assembled.
@@ -48,12 +51,12 @@ def require_determined(graph: PoseGraph, structure: BlockStructure, data: np.nda
     diagonal = data[structure.diagonal]
     if not (diagonal > 0).all():
         _refuse(graph, np.argmin(diagonal))
-    # With its diagonal scaled to one, H has curvature about 1 where all is well. What H's inverse makes longest is the
-    # direction of least curvature; any start finds it that is not at right angles to it.
+    # With its diagonal scaled to one, H has curvature about 1 where all is well. Its inverse makes the direction of
+    # least curvature longest: power iteration finds it from any start that is not at right angles to it.
     root = np.sqrt(diagonal)
     direction = np.random.default_rng(0).choice([-1.0, 1.0], len(root)) / np.sqrt(len(root))
     try:
-        if np.linalg.norm(root * factorize(data)(root * direction)) < SUSPICIOUS:
+        if np.linalg.norm(root * factorize(data)(root * direction)) < CONDITION_LIMIT:
             return
     except np.linalg.LinAlgError:
         pass  # a pivot is zero: all the more reason to look closer
@@ -64,50 +67,42 @@ def require_determined(graph: PoseGraph, structure: BlockStructure, data: np.nda
     for _ in range(5):
         direction = root * solve(root * direction)
         direction /= np.linalg.norm(direction)
-    # H times the direction would drown in rounding; what each residual notices does not.
-    if _noticed(graph, direction / root) < UNNOTICED:
+    # H times the direction would drown in rounding; the change of each residual does not.
+    if _change_of_residuals(graph, direction / root) < NULL:
         _refuse(graph, np.argmax(np.abs(direction)))
 
 
 def _refuse(graph: PoseGraph, unknown: int) -> None:
-    num_pose_unknowns = 3 * (len(graph.poses) - 1)
-    node = unknown // 3 + 1 if unknown < num_pose_unknowns else (unknown - num_pose_unknowns) // 2 + len(graph.poses)
-    raise np.linalg.LinAlgError(
-        f"{_name(graph, node)} can move and no measurement would notice: its factors do not determine it, H is singular"
-    )
+    raise np.linalg.LinAlgError(f"{name_of(graph, unknown)} is not determined by its factors: H is singular")
 
 
-def _name(graph: PoseGraph, node: int) -> str:
+def _node_name(graph: PoseGraph, node: int) -> str:
     num_poses = len(graph.poses)
-    return f"pose {node}" if node < num_poses else f"landmark {node - num_poses}"
+    if node < num_poses:
+        return f"{VARIABLES['poses']} {node}"
+    return f"{VARIABLES['landmarks']} {node - num_poses}"
 
 
-def _factor_ends(graph: PoseGraph) -> tuple[np.ndarray, np.ndarray]:
-    """The two nodes (2, E) of every between factor and (2, M) of every observation; nodes are poses, then landmarks."""
-    landmark = graph.observations.landmark + len(graph.poses)
-    return np.stack([graph.between.i, graph.between.j]), np.stack([graph.observations.pose, landmark])
+def _fixed_nodes(graph: PoseGraph) -> np.ndarray:
+    return np.concatenate([graph.fixed_poses, graph.fixed_landmarks + len(graph.poses)])
 
 
-def _noticed(graph: PoseGraph, dx: np.ndarray) -> float:
-    """The weighted square of what a step (n,) changes in all residuals."""
-    split = 3 * (len(graph.poses) - 1)
-    pose_steps = np.concatenate([np.zeros((1, 3)), dx[:split].reshape(-1, 3)])
-    landmark_steps = dx[split:].reshape(-1, 2)
-    between, observations = graph.between, graph.observations
-    by_i, by_j = between_jacobians(graph.poses[between.i], graph.poses[between.j])
-    seen = graph.landmarks[observations.landmark]
-    by_pose, by_landmark = observation_jacobians(graph.poses[observations.pose], seen)
-    total = 0.0
-    for information, by_a, step_a, by_b, step_b in (
-        (between.information, by_i, pose_steps[between.i], by_j, pose_steps[between.j]),
-        (
-            observations.information,
-            by_pose,
-            pose_steps[observations.pose],
-            by_landmark,
-            landmark_steps[observations.landmark],
-        ),
-    ):
-        change = np.einsum("eij,ej->ei", by_a, step_a) + np.einsum("eij,ej->ei", by_b, step_b)
-        total += np.einsum("ei,eij,ej->", change, information, change)
+def _edges(graph: PoseGraph) -> np.ndarray:
+    """The two nodes (2, E) of every factor; nodes are poses, then landmarks."""
+    first = {"poses": 0, "landmarks": len(graph.poses)}
+    ends = [[end.index + first[end.variable] for end in kind.ends(graph)] for kind in FACTOR_KINDS]
+    return np.concatenate(ends, axis=1)
+
+
+def _change_of_residuals(graph: PoseGraph, dx: np.ndarray) -> float:
+    """The weighted square of what a step (n,) changes in all residuals, to first order."""
+    steps, total = steps_by_variable(graph, dx), 0.0
+    for kind in FACTOR_KINDS:
+        ends = kind.ends(graph)
+        jacobians = kind.jacobians(*(end.estimate for end in ends))
+        change = sum(
+            np.einsum("eij,ej->ei", jacobian, steps[end.variable][end.index])
+            for end, jacobian in zip(ends, jacobians, strict=True)
+        )
+        total += np.einsum("ei,eij,ej->", change, kind.information(graph), change)
     return float(total)

@@ -11,7 +11,7 @@ from npslam_teach import datasets, np_graph
 from npslam_teach.course.draw_your_own_world import messages
 from npslam_teach.plotting.style import CLASS_COLORS
 
-WIDGET = "from npslam_teach.widgets.draw_world import DrawWorld\n\nworld = DrawWorld()\nworld"
+WIDGET = "from npslam_teach.course.draw_your_own_world.explorer import DrawWorld\n\nworld = DrawWorld()\nworld"
 
 
 class Room:

@@ -15,7 +15,7 @@ from npslam_teach.course.pose_graph import checks, figures, pictures
 from npslam_teach.course.pose_graph import explorer as pose_graph_explorer
 from npslam_teach.evaluation import true_association_fit
 from npslam_teach.plotting import factor_graph, uncertainty
-from npslam_teach.pose_graph import chi2, gauss_newton, linearize
+from npslam_teach.pose_graph import chi2, levenberg_marquardt, linearize
 
 SOLUTIONS = Path(__file__).parents[2] / "notebooks" / "solutions" / "03_solutions.ipynb"
 TOY_CLASSES = simulate.TOY_CLASSES
@@ -368,7 +368,7 @@ def test_figure_files_have_names_and_texts():
 
 def test_figure_12_falls_to_the_minimum():
     before, after = figures.toy_before_and_after()
-    *_, last = gauss_newton(before)
+    *_, last = levenberg_marquardt(before)
     assert chi2(before) > 20 * chi2(after)
     assert chi2(after) == pytest.approx(last.chi2)
 
@@ -388,7 +388,7 @@ def explorer(starts):
 
 
 def test_both_bad_starts_end_at_the_same_minimum(starts):
-    last = [list(gauss_newton(graph))[-1] for graph in starts[0].values()]
+    last = [list(levenberg_marquardt(graph))[-1] for graph in starts[0].values()]
     assert all(step.converged for step in last)
     assert last[0].chi2 == pytest.approx(last[1].chi2)
     assert starts[0]["thrown about"].poses[0].tolist() == starts[0]["wheels"].poses[0].tolist()
@@ -396,7 +396,7 @@ def test_both_bad_starts_end_at_the_same_minimum(starts):
 
 @pytest.mark.parametrize("name", ["wheels", "thrown about"])
 def test_the_explorer_shows_what_the_solver_did(explorer, starts, name):
-    run = list(gauss_newton(starts[0][name]))
+    run = list(levenberg_marquardt(starts[0][name]))
     left, right = explorer.figure.axes
     sightings, steps = (c for c in left.collections if isinstance(c, LineCollection))
     for k, step in enumerate(run):
@@ -421,7 +421,7 @@ def test_the_explorer_stays_at_the_end_of_a_shorter_run(explorer):
 def test_the_window_of_the_explorer_holds_everything(explorer, starts):
     left = explorer.figure.axes[0]
     for graph in starts[0].values():
-        for step in gauss_newton(graph):
+        for step in levenberg_marquardt(graph):
             points = np.vstack([step.graph.poses[:, :2], step.graph.landmarks])
             assert (points > [left.get_xlim()[0], left.get_ylim()[0]]).all()
             assert (points < [left.get_xlim()[1], left.get_ylim()[1]]).all()
@@ -436,6 +436,6 @@ def test_an_error_in_the_explorer_is_raised(toy, monkeypatch):
 
 
 def test_words_name_the_largest_move(toy):
-    run = list(gauss_newton(figures.toy_before_and_after()[0]))
+    run = list(levenberg_marquardt(figures.toy_before_and_after()[0]))
     moved = np.linalg.norm(run[1].graph.poses[:, :2] - run[0].graph.poses[:, :2], axis=1).max()
     assert f"no pose moved more than {moved:.2f} m" in pose_graph_explorer.words(run, 1)

@@ -1,4 +1,4 @@
-"""Small random pose graphs for the tests."""
+"""Small pose graphs for the tests, and their residuals written out from the definition."""
 
 import numpy as np
 
@@ -43,3 +43,52 @@ def quarrelling_graph(seed, num_poses=40, num_loops=6, quarrel=2.0) -> PoseGraph
     factors = BetweenFactors(i, j, relative, np.tile(100.0 * np.eye(3), (len(i), 1, 1)))
     nothing = ObservationFactors([], [], np.zeros((0, 2)), np.zeros((0, 2, 2)))
     return PoseGraph(poses, np.zeros((0, 2)), factors, nothing)
+
+
+def three_pose_graph():
+    """A robot drives 1 m, 1 m, and then recognises that it stands 1.8 m from where it began; headings are known.
+
+    All weights are 1. With x1, x2 free the cost is (x1-1)^2 + (x2-x1-1)^2 + (x2-1.8)^2. Setting both derivatives to
+    zero gives 2 x1 = x2 and x2 - x1 - 1 + x2 - 1.8 = 0, so x2 = 28/15, x1 = 14/15 and every residual is 1/15 in size.
+    """
+    steps = np.array([[1.0, 0, 0], [1.0, 0, 0], [1.8, 0, 0]])
+    factors = BetweenFactors([0, 1, 0], [1, 2, 2], steps, np.tile(np.eye(3), (3, 1, 1)))
+    return PoseGraph(
+        np.zeros((3, 3)), np.zeros((0, 2)), factors, ObservationFactors([], [], np.zeros((0, 2)), np.zeros((0, 2, 2)))
+    )
+
+
+def unpack(graph, x):
+    poses = graph.poses.copy()
+    split = 3 * (len(poses) - 1)
+    poses[1:] = x[:split].reshape(-1, 3)
+    return poses, x[split:].reshape(-1, 2)
+
+
+def whitened_residuals(graph, x):
+    """Written out factor by factor, from the definition, without any of the package's residual functions."""
+    poses, landmarks = unpack(graph, x)
+    out = []
+    for i, j, o, information in zip(
+        graph.between.i,
+        graph.between.j,
+        graph.between.relative_pose,
+        graph.between.information,
+        strict=True,
+    ):
+        c, s = np.cos(poses[i, 2]), np.sin(poses[i, 2])
+        d = poses[j, :2] - poses[i, :2]
+        turn = (poses[j, 2] - poses[i, 2] - o[2] + np.pi) % (2 * np.pi) - np.pi
+        r = np.array([c * d[0] + s * d[1] - o[0], -s * d[0] + c * d[1] - o[1], turn])
+        out.append(np.linalg.cholesky(information).T @ r)
+    obs = graph.observations
+    for p, k, z, information in zip(obs.pose, obs.landmark, obs.xy, obs.information, strict=True):
+        c, s = np.cos(poses[p, 2]), np.sin(poses[p, 2])
+        d = landmarks[k] - poses[p, :2]
+        r = np.array([c * d[0] + s * d[1] - z[0], -s * d[0] + c * d[1] - z[1]])
+        out.append(np.linalg.cholesky(information).T @ r)
+    return np.concatenate(out)
+
+
+def pack(graph):
+    return np.concatenate([graph.poses[1:].ravel(), graph.landmarks.ravel()])

@@ -34,8 +34,8 @@ def test_without_noise_it_is_the_solution_from_anywhere(seed):
 @pytest.mark.parametrize("seed", range(10))
 def test_with_noise_the_descent_from_it_ends_where_that_from_the_truth_does(seed):
     graph = random_graph(seed, num_poses=30, num_loops=12, start_noise=0.0)
-    *_, best = pose_graph.gauss_newton(graph)
-    *_, last = pose_graph.gauss_newton(chordal_start(lost(graph, seed)))
+    *_, best = pose_graph.levenberg_marquardt(graph)
+    *_, last = pose_graph.levenberg_marquardt(chordal_start(lost(graph, seed)))
     assert last.converged
     assert last.chi2 == pytest.approx(best.chi2, rel=1e-8)
 
@@ -92,9 +92,9 @@ def test_descend_finds_the_minimum_below_the_truth_from_bad_odometry():
     alone, descended, best = [], [], []
     for seed in range(40):
         odometry, truth = ring(seed)
-        alone.append(list(pose_graph.gauss_newton(odometry))[-1].chi2)
-        descended.append(pose_graph.descend(odometry)[-1].chi2)
-        best.append(list(pose_graph.gauss_newton(truth))[-1].chi2)
+        alone.append(list(pose_graph.levenberg_marquardt(odometry))[-1].chi2)
+        descended.append(pose_graph.minimize(odometry)[-1].chi2)
+        best.append(list(pose_graph.levenberg_marquardt(truth))[-1].chi2)
     assert (np.array(descended) <= np.array(alone) * (1 + 1e-9)).all()
     np.testing.assert_allclose(descended, best, rtol=1e-6)
     assert (np.array(alone) > 1.01 * np.array(best)).any()
@@ -102,7 +102,7 @@ def test_descend_finds_the_minimum_below_the_truth_from_bad_odometry():
 
 def test_a_good_start_is_not_left():
     graph = random_graph(3)
-    assert len(pose_graph.descend(graph)) == len(list(pose_graph.gauss_newton(graph)))
+    assert len(pose_graph.minimize(graph)) == len(list(pose_graph.levenberg_marquardt(graph)))
 
 
 def test_a_chain_with_objects_is_solved_from_its_odometry():
@@ -118,5 +118,5 @@ def test_a_chain_with_objects_is_solved_from_its_odometry():
 @pytest.mark.parametrize(("name", "expected"), [("intel", 45.004696), ("manhattan", 3549.0368)])
 def test_standard_graphs_reach_their_minimum_from_nowhere(data_folder, name, expected):
     graph = lost(datasets.load_g2o(data_folder / f"{name}.g2o"))
-    *_, last = pose_graph.gauss_newton(chordal_start(graph))
+    *_, last = pose_graph.levenberg_marquardt(chordal_start(graph))
     assert last.chi2 == pytest.approx(expected, rel=2e-8)

@@ -20,7 +20,7 @@ from npslam_teach.plotting.style import (
     legend_below,
     path_handles,
 )
-from npslam_teach.pose_graph import Step, gauss_newton
+from npslam_teach.pose_graph import Iteration, levenberg_marquardt
 from npslam_teach.types import GroundTruth, PoseGraph
 
 
@@ -54,7 +54,7 @@ def explore_gauss_newton(starts: dict[str, PoseGraph], true_xy: np.ndarray | Non
         starts: graphs with the same factors and different estimates, by the name that the list shows.
         true_xy: (T, 2) m, W, the true path, dashed grey when given.
     """
-    runs = {name: list(gauss_newton(graph)) for name, graph in starts.items()}
+    runs = {name: list(levenberg_marquardt(graph)) for name, graph in starts.items()}
     figure, (left, right) = plotting.new_figure(1, 2, (10.0, 5.2), width_ratios=(3, 2))
     steps, sightings, objects = _empty_map(left)
     if true_xy is not None:
@@ -80,7 +80,7 @@ def explore_gauss_newton(starts: dict[str, PoseGraph], true_xy: np.ndarray | Non
     return Explorer(figure, update, extras=[button], start=names, iteration=slider)
 
 
-def words(run: list[Step], iteration: int) -> str:
+def words(run: list[Iteration], iteration: int) -> str:
     """What an iteration did, in numbers."""
     step = run[iteration]
     if iteration == 0:
@@ -113,7 +113,7 @@ def _fix_limits(ax, graphs: list[PoseGraph]) -> None:
     label_map(ax, "iteration 0")
 
 
-def _chi2_curve(ax, runs: dict[str, list[Step]]) -> tuple[Line2D, Line2D]:
+def _chi2_curve(ax, runs: dict[str, list[Iteration]]) -> tuple[Line2D, Line2D]:
     """The fall of chi2 and the dot on it, on an axis that holds every run."""
     values = np.array([max(step.chi2, 1e-9) for run in runs.values() for step in run])
     (curve,) = ax.plot([], [], "o-", color=TRUTH_COLOR, markersize=5, linewidth=1.5)

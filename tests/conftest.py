@@ -26,6 +26,12 @@ os.environ["TQDM_DISABLE"] = "1"
 
 
 @pytest.fixture(scope="session")
+def cases_folder() -> Path:
+    """Small files on which the package once failed; the tests say what is right."""
+    return Path(__file__).parent / "cases"
+
+
+@pytest.fixture(scope="session")
 def data_folder() -> Path:
     """The folder with the original data: NPSLAM_TEACH_DATA, or shared/data beside the checkout."""
     beside_the_checkout = Path(__file__).resolve().parents[2] / "shared" / "data"

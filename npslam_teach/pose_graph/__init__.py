@@ -4,10 +4,13 @@
 runs it from several starts for ``optimize``. ``residuals`` has the mathematics of the factors, ``factor_kinds`` their
 list, ``unknowns`` says which number of a step is which, ``linearization`` makes the normal equations,
 ``known_association`` the graph of a log and its labels. ``covariance`` says how certain the result is,
-``observability`` whether there is one, ``initialization`` where to start, ``incremental`` how a graph grows.
-``block_sparsity``, ``factorization`` and ``fill_in`` are the machinery.
+``observability`` whether there is one, ``certificate`` whether another could be better. Where to start:
+``initialization`` from headings, ``spanning_tree`` from odometry, ``relaxation`` from everything at once.
+``incremental`` says how a graph grows. ``block_sparsity``, ``factorization``, ``fill_in`` and ``complex_form`` are the
+machinery.
 """
 
+from npslam_teach.pose_graph.certificate import Certificate, certify
 from npslam_teach.pose_graph.covariance import joint_covariance, marginal_covariance, squared_radius
 from npslam_teach.pose_graph.fill_in import factor_pattern, in_three_orders
 from npslam_teach.pose_graph.gauss_newton import Iteration, gauss_newton
@@ -22,20 +25,26 @@ from npslam_teach.pose_graph.known_association import (
 )
 from npslam_teach.pose_graph.levenberg_marquardt import levenberg_marquardt
 from npslam_teach.pose_graph.linearization import chi2, linearize
-from npslam_teach.pose_graph.multi_start import minimize, optimize
+from npslam_teach.pose_graph.multi_start import Optimum, certified_minimum, minimize, optimize
+from npslam_teach.pose_graph.relaxation import relaxed_start
 from npslam_teach.pose_graph.residuals import (
     between_jacobians,
     between_residual,
     observation_jacobians,
     observation_residual,
 )
+from npslam_teach.pose_graph.spanning_tree import odometry_start
 from npslam_teach.pose_graph.unknowns import retract
 
 __all__ = [
+    "Certificate",
     "IncrementalSolver",
     "Iteration",
+    "Optimum",
     "between_jacobians",
     "between_residual",
+    "certified_minimum",
+    "certify",
     "chi2",
     "chordal_headings",
     "chordal_start",
@@ -53,7 +62,9 @@ __all__ = [
     "observation_jacobians",
     "observation_residual",
     "odometry_factors",
+    "odometry_start",
     "optimize",
+    "relaxed_start",
     "retract",
     "squared_radius",
     "with_associations",

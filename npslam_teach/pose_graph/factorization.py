@@ -6,6 +6,7 @@ give the same solution up to rounding.
 
 from collections.abc import Callable
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -49,6 +50,20 @@ def factorizer(structure: BlockStructure, library: str | None = None) -> Callabl
         return latest[1]
 
     return factorize_once
+
+
+class LinearSystem(NamedTuple):
+    """What stays the same for all matrices of one pattern."""
+
+    structure: BlockStructure
+    factorize: Callable[[np.ndarray], Solve]
+
+    def solve(self, data: np.ndarray, rhs: np.ndarray) -> np.ndarray:
+        """The solution (n,) for a matrix of some ``data`` (nnz,); an infinite one where rounding makes it singular."""
+        try:
+            return self.factorize(data)(rhs)
+        except np.linalg.LinAlgError:
+            return np.full_like(rhs, np.inf)
 
 
 def solve_once(matrix, rhs: np.ndarray) -> np.ndarray:

@@ -14,19 +14,18 @@ and Wright, "Numerical Optimization" (2006):
 ``linearization`` turns the factors into the normal equations of one step, ``factorization`` solves them.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.pose_graph.block_sparsity import BlockStructure
-from npslam_teach.pose_graph.factorization import factorizer
+from npslam_teach.pose_graph.factorization import LinearSystem
 from npslam_teach.pose_graph.gauss_newton import ROUNDING, Iteration, require_settings
 from npslam_teach.pose_graph.linearization import (
     Residuals,
-    graph_structure,
+    linear_system,
     normal_equations,
     residuals,
     second_order_term,
@@ -43,20 +42,6 @@ LINEAR_CONVERGENCE = 0.02  # a reduction above this share of the one before, and
 NEAR_THE_END = 0.01  # below this share of chi2, is the mark of a large-residual problem
 
 
-class _Problem(NamedTuple):
-    """What stays the same from step to step."""
-
-    structure: BlockStructure
-    factorize: Callable
-
-    def solve(self, data: np.ndarray, rhs: np.ndarray) -> np.ndarray:
-        """The solution of the linear problem; an infinite one where rounding has made H singular on the way."""
-        try:
-            return self.factorize(data)(rhs)
-        except np.linalg.LinAlgError:
-            return np.full_like(rhs, np.inf)
-
-
 class _Trial(NamedTuple):
     """Where a step leads to."""
 
@@ -68,7 +53,7 @@ class _Trial(NamedTuple):
 
 
 def levenberg_marquardt(
-    graph: PoseGraph, tolerance: float = 1e-9, max_iterations: int = 100, library: str | None = None
+    graph: PoseGraph, tolerance: float = 1e-9, max_iterations: int = 100, system: LinearSystem | None = None
 ) -> Iterator[Iteration]:
     """Improve the graph step by step; chi2 never rises.
 
@@ -76,7 +61,7 @@ def levenberg_marquardt(
         graph: the start; its fixed poses and landmarks stay where they are.
         tolerance: stop when a step lowers chi2 by less than this share of it.
         max_iterations: stop after this many steps, converged or not.
-        library: that solves the linear systems, see ``factorization.factorizer``.
+        system: the graph's ``linear_system``, where it is at hand already.
 
     Yields:
         the start as iteration 0, then every step. The last one says whether it ``converged``, or why not.
@@ -88,8 +73,8 @@ def levenberg_marquardt(
     require_factors(graph)
     # A heading of many turns would swallow small steps in rounding.
     graph = replace(graph, poses=np.column_stack([graph.poses[:, :2], se2.wrap(graph.poses[:, 2])]))
-    structure, at = graph_structure(graph), residuals(graph)
-    problem = _Problem(structure, factorizer(structure, library))
+    system = system or linear_system(graph)
+    structure, at = system.structure, residuals(graph)
     status = "running" if structure.num_unknowns else "converged"
     now = Iteration(0, graph, at.chi2, np.zeros(structure.num_unknowns), 0.0, status == "converged", status)
     yield now
@@ -97,11 +82,11 @@ def levenberg_marquardt(
     while now.status == "running":
         data, b = normal_equations(now.graph, structure, at)
         if now.iteration == 0:
-            require_observable(now.graph, structure, data, problem.factorize)
+            require_observable(now.graph, structure, data, system.factorize)
         # A perfect fit ends at rounding error, of which no relative decrease can be asked.
         negligible = max(tolerance, ROUNDING) * at.chi2 + 1e-20 * len(b)
-        trial = _newton_step(now, at, data, b, problem) if large_residuals else None
-        trial = trial or _damped_step(now, at, data, b, problem, negligible)
+        trial = _newton_step(now, at, data, b, system) if large_residuals else None
+        trial = trial or _damped_step(now, at, data, b, system, negligible)
         status = _status(now, at.chi2, trial, negligible, max_iterations)
         previous, reduction = reduction, at.chi2 - trial.at.chi2
         large_residuals = large_residuals or LINEAR_CONVERGENCE * previous < reduction < NEAR_THE_END * at.chi2
@@ -110,15 +95,15 @@ def levenberg_marquardt(
         yield now
 
 
-def _damped_step(now: Iteration, at: Residuals, data, b, problem: _Problem, negligible: float) -> _Trial:
+def _damped_step(now: Iteration, at: Residuals, data, b, system: LinearSystem, negligible: float) -> _Trial:
     """The Gauss-Newton step, damped as little as lowers chi2; no step at all where nothing lowers it."""
     damping, stuck = now.damping / 10 if now.damping > 1e-8 else 0.0, False
     while damping <= MAX_DAMPING:
-        dx = problem.solve(_damped(data, problem.structure.diagonal, damping), -b)
+        dx = system.solve(_damped(data, system.structure.diagonal, damping), -b)
         trial = _trial(now.graph, dx, damping)
         predicted = -b @ dx if trial.at.chi2 < np.inf else np.inf
         if at.chi2 < trial.at.chi2 < np.inf and damping == 0:
-            trial = _watchdog_steps(trial, at.chi2 - SUFFICIENT * predicted, problem)
+            trial = _watchdog_steps(trial, at.chi2 - SUFFICIENT * predicted, system)
         if trial.at.chi2 <= at.chi2:
             return trial
         if predicted <= negligible or trial.at.chi2 - at.chi2 <= ROUNDING * at.chi2:
@@ -128,15 +113,15 @@ def _damped_step(now: Iteration, at: Residuals, data, b, problem: _Problem, negl
     return _Trial(now.graph, at, np.zeros_like(b), damping, stuck)
 
 
-def _watchdog_steps(first: _Trial, sufficient: float, problem: _Problem) -> _Trial:
+def _watchdog_steps(first: _Trial, sufficient: float, system: LinearSystem) -> _Trial:
     """Follow a step that has raised chi2 until it is below ``sufficient``.
 
     Where the steps never come there, they may have left for another valley, and the first one is returned as it was.
     """
     trial = first
     for _ in range(MAX_WATCHDOG_STEPS):
-        data, b = normal_equations(trial.graph, problem.structure, trial.at)
-        following = _trial(trial.graph, problem.solve(data, -b))
+        data, b = normal_equations(trial.graph, system.structure, trial.at)
+        following = _trial(trial.graph, system.solve(data, -b))
         if not following.at.chi2 < trial.at.chi2:
             break
         trial = following._replace(dx=trial.dx + following.dx)
@@ -145,9 +130,9 @@ def _watchdog_steps(first: _Trial, sufficient: float, problem: _Problem) -> _Tri
     return first
 
 
-def _newton_step(now: Iteration, at: Residuals, data, b, problem: _Problem) -> _Trial | None:
+def _newton_step(now: Iteration, at: Residuals, data, b, system: LinearSystem) -> _Trial | None:
     """The step with all second derivatives; None where it does not lower chi2."""
-    dx = problem.solve(data + second_order_term(now.graph, problem.structure, at), -b)
+    dx = system.solve(data + second_order_term(now.graph, system.structure, at), -b)
     trial = _trial(now.graph, dx)
     return trial if -b @ dx > 0 and trial.at.chi2 < at.chi2 else None
 

@@ -13,6 +13,7 @@ import numpy as np
 from npslam_teach import se2
 from npslam_teach.pose_graph.block_sparsity import BlockGroup, BlockStructure, block_structure
 from npslam_teach.pose_graph.factor_kinds import FACTOR_KINDS
+from npslam_teach.pose_graph.factorization import LinearSystem, factorizer
 from npslam_teach.pose_graph.unknowns import VARIABLES, unknowns_of
 from npslam_teach.types import PoseGraph
 
@@ -57,6 +58,17 @@ def graph_structure(graph: PoseGraph) -> BlockStructure:
         )
         groups += [BlockGroup(a, a, size_a, size_a), BlockGroup(a, b, size_a, size_b), BlockGroup(b, b, size_b, size_b)]
     return block_structure(unknowns.sizes, groups)
+
+
+def linear_system(graph: PoseGraph, library: str | None = None) -> LinearSystem:
+    """The linear systems of a graph, whatever its estimate.
+
+    Args:
+        graph: whose factors say which variables are tied together.
+        library: that solves them, see ``factorization.factorizer``.
+    """
+    structure = graph_structure(graph)
+    return LinearSystem(structure, factorizer(structure, library))
 
 
 def normal_equations(graph: PoseGraph, structure: BlockStructure, at: Residuals) -> tuple[np.ndarray, np.ndarray]:

@@ -10,8 +10,7 @@ import sys
 import warnings
 
 from npslam_teach import __version__
-
-METHOD_NAMES = ("np-graph", "robust-slam", "open-loop", "frame-by-frame", "ekf")
+from npslam_teach.methods import METHODS
 
 
 class _Parser(argparse.ArgumentParser):
@@ -114,7 +113,7 @@ def _add_reproduce(subparsers) -> None:
     reproduce.add_argument("--noise", type=_number, default=1.0, metavar="S", help="1 is the paper's (default)")
     reproduce.add_argument("--seeds", type=_count, default=1, metavar="N", help="how many runs (default 1)")
     reproduce.add_argument("--first-seed", type=_index, metavar="K", help="default 0; a single run of our scene: 2016")
-    reproduce.add_argument("--methods", type=_methods, default=list(METHOD_NAMES), metavar="A,B", help="default: all")
+    reproduce.add_argument("--methods", type=_methods, default=list(METHODS), metavar="A,B", help="default: all")
     reproduce.add_argument(
         "--iterations",
         type=_count,
@@ -129,9 +128,7 @@ def _add_reproduce(subparsers) -> None:
 def _add_solve(subparsers) -> None:
     solve = _add(subparsers, "solve", "run one method on a robot log")
     solve.add_argument("log", metavar="LOG", help="a .npz log or one of the authors' .mat files")
-    solve.add_argument(
-        "--method", choices=METHOD_NAMES, default="np-graph", metavar="NAME", help=", ".join(METHOD_NAMES)
-    )
+    solve.add_argument("--method", choices=METHODS, default="np-graph", metavar="NAME", help=", ".join(METHODS))
     solve.add_argument(
         "--alpha", type=_number, metavar="A", help="concentration of the Dirichlet process (default 0.9)"
     )
@@ -213,8 +210,8 @@ def _integer(text: str, least: int, most: int = 1_000_000) -> int:
 def _methods(text: str) -> list[str]:
     names = text.split(",")
     for name in names:
-        if name not in METHOD_NAMES:
-            raise argparse.ArgumentTypeError(f"expected some of {', '.join(METHOD_NAMES)}, got {name!r}")
+        if name not in METHODS:
+            raise argparse.ArgumentTypeError(f"expected some of {', '.join(METHODS)}, got {name!r}")
     if len(set(names)) < len(names):
         raise argparse.ArgumentTypeError(f"expected each method once, got {text!r}")
     return names

@@ -1,26 +1,14 @@
 """The paper's simulation, run with every method over one or many seeds (paper section V.A; deck figures 14 to 17)."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from npslam_teach import simulate
 from npslam_teach.evaluation import chi2_per_dof, distances_to_truth, true_association_fit
-from npslam_teach.experiments.runs import Run, run_method, run_summary
-from npslam_teach.types import GroundTruth, RobotLog, Snapshot
-
-
-@dataclass(frozen=True, eq=False)
-class Scene:
-    """One noisy run through a world, and how to tell it from the others."""
-
-    name: str
-    seed: int
-    noise: float
-    log: RobotLog
-    truth: GroundTruth
+from npslam_teach.experiments.runs import Run, Scene, row_of, run_method
+from npslam_teach.types import GroundTruth, Snapshot
 
 
 def scenes(data: str | None, noise: float, seeds: Iterable[int]) -> Iterator[Scene]:
@@ -68,8 +56,7 @@ def run_all(
         for method in methods:
             settings = {"iterations": iterations} if method == "np-graph" else {}
             runs[method] = run_method(method, scene.log, settings)
-            identity = {"seed": scene.seed, "noise": scene.noise}
-            rows.append(identity | run_summary(runs[method], scene.truth))
+            rows.append(row_of(scene, runs[method]))
         first = first or (scene, runs)
     scene, runs = first
     result = {

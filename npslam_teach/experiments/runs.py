@@ -1,9 +1,23 @@
-"""One method on one log."""
+"""One method on one scene: the run itself, and the row of a table that it becomes."""
 
 import time
 from dataclasses import dataclass
+from functools import cache
 
+from npslam_teach import simulate
+from npslam_teach.methods import METHODS
 from npslam_teach.types import GroundTruth, RobotLog, Snapshot
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """One noisy run through a world, and how to tell it from the others."""
+
+    name: str
+    seed: int
+    noise: float
+    log: RobotLog
+    truth: GroundTruth
 
 
 @dataclass(frozen=True, eq=False)
@@ -13,30 +27,54 @@ class Run:
     method: str
     log: RobotLog
     snapshots: list[Snapshot]
-    seconds: float
+    seconds: float  # of the method alone
 
 
-def run_method(method: str, log: RobotLog, settings: dict) -> Run:
+def run_one(scene: Scene, method: str, settings: dict) -> dict:
+    """Run a method on a scene: the row of a table, plain numbers that another process can send back.
+
+    Args:
+        scene: with truth to compare with.
+        method: a key of ``methods.METHODS``.
+        settings: keyword arguments of the method.
+    """
+    return row_of(scene, run_method(method, scene.log, settings, progress=False))
+
+
+def row_of(scene: Scene, run: Run) -> dict:
+    """The row that a run on a scene becomes."""
+    return {"seed": scene.seed, "noise": scene.noise} | run_summary(run, scene.truth)
+
+
+def run_method(method: str, log: RobotLog, settings: dict, progress: bool = True) -> Run:
     """Run a method by its name on the command line and keep every snapshot.
 
     Args:
         method: a key of ``methods.METHODS``.
         log: what the robot measured.
         settings: keyword arguments of the method.
+        progress: whether a bar shows itself when the work takes longer than two seconds.
     """
     from tqdm import tqdm
 
-    from npslam_teach.methods import METHODS
-
-    begin = time.perf_counter()
-    snapshots = []
-    # The bar shows itself only when the work takes longer than two seconds.
-    with tqdm(METHODS[method](log, **settings), desc=method, unit=" iterations", delay=2, leave=False) as progress:
-        for snapshot in progress:
+    _warm_up(method)
+    snapshots, steps = [], METHODS[method](log, **settings)
+    with tqdm(steps, desc=method, unit=" iterations", delay=2, leave=False, disable=not progress) as bar:
+        begin = time.perf_counter()
+        for snapshot in bar:
             snapshots.append(snapshot)
             # A refresh now would show the bar at once, and leave it there.
-            progress.set_postfix(objects=snapshot.num_objects, refresh=False)
-    return Run(method, log, snapshots, time.perf_counter() - begin)
+            bar.set_postfix(objects=snapshot.num_objects, refresh=False)
+        seconds = time.perf_counter() - begin
+    return Run(method, log, snapshots, seconds)
+
+
+@cache
+def _warm_up(method: str) -> None:
+    """Solve the toy scene once: whatever a method imports on its way, SciPy above all, is not its own time."""
+    log, _ = simulate.toy_objects()
+    for _ in METHODS[method](log):
+        pass
 
 
 def run_summary(run: Run, truth: GroundTruth | None) -> dict:

@@ -20,6 +20,7 @@ from mutations import SUFFIXES, damaged
 from npslam_teach import pose_graph, types
 from npslam_teach.cli import parser
 from npslam_teach.datasets import log_files
+from npslam_teach.methods import METHODS
 from npslam_teach.methods.snapshots import PAPER_OBSERVATION_STD, PAPER_ODOMETRY_STD
 from npslam_teach.pose_graph import observation_factors, odometry_factors
 
@@ -48,7 +49,7 @@ def arguments_for(path: Path, number: int) -> list[str]:
     if path.suffix == ".g2o":
         return ["optimize", str(path), "--json"]
     noise = ["--noise", "0.5"] if number % 7 == 0 else []
-    return ["solve", str(path), "--json", "--method", parser.METHOD_NAMES[number % len(parser.METHOD_NAMES)], *noise]
+    return ["solve", str(path), "--json", "--method", [*METHODS][number % len(METHODS)], *noise]
 
 
 def outcome(path: Path, number: int) -> dict:

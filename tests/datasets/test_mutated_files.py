@@ -5,6 +5,7 @@ hang or a hog is reported with the name of its file.
 """
 
 import collections
+import contextlib
 import itertools
 import json
 import os
@@ -14,13 +15,15 @@ import sys
 import threading
 from pathlib import Path
 
+import psutil
 import pytest
 from mutations import SUFFIXES, damaged
 
 HELPERS = Path(__file__).parents[1] / "helpers"
 FILES_PER_FORMAT, DISTINCT_PER_FORMAT = 2_000, 1_700
 MOST_SECONDS, MOST_MEGABYTES = 2.0, 500.0
-PATIENCE = 60.0  # seconds of silence after which a file counts as a hang, on a machine that may be busy
+PATIENCE = 60.0  # seconds of silence after which a file counts as a hang, unless the worker has only been waiting its
+MOST_CPU_SECONDS = 20.0  # turn on a busy machine: it must have rested, or used the processor for so long
 
 
 def campaign(suffix, numbers, folder, data=None):
@@ -59,13 +62,12 @@ def run_worker(suffix, numbers, folder, data):
         reader = threading.Thread(target=lambda: [lines.put(line) for line in itertools.chain(worker.stdout, [""])])
         reader.start()
         problem = None
-        try:
-            while line := lines.get(timeout=PATIENCE):
-                told = json.loads(line)
-                begun = told.get("begin", begun)
-                if "name" in told:
-                    outcomes[begun] = told
-        except queue.Empty:
+        while line := next_line(lines, psutil.Process(worker.pid)):
+            told = json.loads(line)
+            begun = told.get("begin", begun)
+            if "name" in told:
+                outcomes[begun] = told
+        if line is None:
             problem = f"not done after {PATIENCE} s"
             worker.kill()
         reader.join()
@@ -79,6 +81,26 @@ def run_worker(suffix, numbers, folder, data):
     if problem:
         outcomes[begun] = {"name": f"{suffix}-{begun}", "problem": problem, "code": None}
     return outcomes
+
+
+def next_line(lines, worker):
+    """What the worker says next, nothing at its end; None when it hangs."""
+    begin = cpu_seconds(worker)
+    while True:
+        before = cpu_seconds(worker)
+        try:
+            return lines.get(timeout=PATIENCE)
+        except queue.Empty:
+            now = cpu_seconds(worker)
+            if now == before or now - begin > MOST_CPU_SECONDS:
+                return None
+
+
+def cpu_seconds(process):
+    """What a process has used; of one that has ended, nothing more is known."""
+    with contextlib.suppress(psutil.Error):
+        return sum(process.cpu_times()[:2])
+    return 0.0
 
 
 def complaints_about(outcomes):

@@ -92,6 +92,8 @@ def wrong_with(code, out: str, err: str, path: Path, arguments: list) -> str | N
 def wrong_with_result(out: str, path: Path, arguments: list) -> str | None:
     """Whether the JSON is whole and finite, is about this file, and its chi2 is that of its own numbers."""
     result = json.loads(out, parse_constant=refuse)
+    if path.suffix != ".g2o" and not METHODS[result["method"]].has_objective and result.pop("objective") is not None:
+        return f"{result['method']} has an objective"
     where = not_finite(result, "result")
     if where:
         return f"not a number: {where}"

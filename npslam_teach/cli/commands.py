@@ -12,6 +12,8 @@ from npslam_teach.cli import reports
 from npslam_teach.system.environment import replace_process
 
 ROOT = Path(__file__).absolute().parent.parent.parent
+# Of the tests: the mathematics, the files and the command line.
+QUICK_FOLDERS = "pose_graph association methods evaluation simulate datasets experiments cli".split()
 
 
 def lab(options) -> int:
@@ -41,13 +43,20 @@ def fetch(options) -> int:
 
 
 def test(options) -> int:
-    """Run pytest on the library's tests and, with nbval, on every notebook."""
+    """Run pytest on the library's tests and, with nbval, on every notebook; with ``--quick`` on the core alone."""
     _require_checkout(ROOT / "tests")
-    own = options.extra or ["tests", "notebooks"]
-    sanitize = f"--nbval-sanitize-with={ROOT / 'tests' / 'nbval_sanitize.cfg'}"
-    notebooks = ["--nbval", "--nbval-current-env", "--nbval-cell-timeout=120", sanitize]
+    if options.quick:
+        how = ["-m", "not slow and not browser"]
+        what = [f"tests/{folder}" for folder in QUICK_FOLDERS]
+        what += sorted(path.relative_to(ROOT).as_posix() for path in ROOT.glob("tests/test_*.py"))
+    else:
+        sanitize = f"--nbval-sanitize-with={ROOT / 'tests' / 'nbval_sanitize.cfg'}"
+        how = ["--nbval", "--nbval-current-env", "--nbval-cell-timeout=120", sanitize]
+        what = ["tests", "notebooks"]
+    if any((ROOT / word.split("::")[0]).exists() for word in options.extra):
+        what = []  # the further arguments say it
     workers = ["-n", str(min(os.cpu_count() or 1, 8)), "--dist", "loadscope"]
-    return _run_module(["pytest", *workers, *notebooks, *own])
+    return _run_module(["pytest", *workers, *how, *what, *options.extra])
 
 
 def bench(options) -> int:

@@ -3,8 +3,17 @@
 Both are slow to start, so tests share them; a page is each test's own. Whatever is missing skips these tests in words.
 """
 
+from pathlib import Path
+
 import pytest
 from lab_server import LARGE_WINDOW, copy_of_the_course, running_chromium, running_lab
+
+
+def pytest_collection_modifyitems(items):
+    """All tests of this folder need a browser."""
+    for item in items:
+        if Path(__file__).parent in item.path.parents:
+            item.add_marker("browser")
 
 
 @pytest.fixture(scope="module")

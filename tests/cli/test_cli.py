@@ -595,7 +595,25 @@ def test_test_hands_its_arguments_to_pytest(monkeypatch):
     assert parser.main(["test", "tests/test_se2.py", "-k", "wrap"]) == 5
     assert started[0][0] == "pytest"
     assert started[0][-3:] == ["tests/test_se2.py", "-k", "wrap"]
-    assert "--nbval" in started[0]
+    assert "--nbval" in started[0] and "tests" not in started[0]
+    assert parser.main(["test", "-k", "wrap"]) == 5
+    assert started[1][-4:] == ["tests", "notebooks", "-k", "wrap"]
+
+
+@pytest.mark.slow
+def test_a_quick_test_is_of_the_mathematics_the_files_and_the_command_line(monkeypatch):
+    started = []
+    monkeypatch.setattr(commands, "_run_module", lambda arguments: started.append(arguments) or 0)
+    assert parser.main(["test", "--quick"]) == 0
+    command = [sys.executable, "-m", *started[0], "--collect-only", "-q", "-p", "no:xdist"]
+    command = [word for word in command if word not in ("-n", "--dist", "loadscope") and not word.isdigit()]
+    collected = subprocess.run(command, cwd=commands.ROOT, capture_output=True, text=True, check=True).stdout
+    files = {line.split("::")[0] for line in collected.splitlines() if "::" in line}
+    expected = {"pose_graph/test_gauss_newton", "association/test_dirichlet_process", "methods/test_methods", "test_se2"}
+    expected |= {"datasets/test_g2o", "cli/test_cli", "experiments/test_runs"}
+    assert {f"tests/{name}.py" for name in expected} <= files
+    assert not any(folder in name for name in files for folder in ("browser", "course", "notebooks", "benchmarks"))
+    assert "test_the_papers_run_over_thirty_seeds" not in collected  # it is slow
 
 
 def test_no_progress_bar_where_nobody_waits(log_file, monkeypatch):

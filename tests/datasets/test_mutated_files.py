@@ -115,6 +115,7 @@ def complaints_about(outcomes):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_damaged_file_ends_in_one_sentence_or_a_right_answer(tmp_path, suffix):
     outcomes = campaign(suffix, range(FILES_PER_FORMAT), tmp_path)
@@ -135,6 +136,7 @@ def test_a_damaged_file_is_known_by_its_number():
 # ---- the harness itself notices ----
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("what", "words"),
     [

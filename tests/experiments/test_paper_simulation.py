@@ -72,6 +72,7 @@ def test_the_authors_file_as_it_is(authors):
     assert 0.95 < metrics.chi2_per_dof < 1.05
 
 
+@pytest.mark.slow
 def test_the_papers_run_over_thirty_seeds(mu2016_path):
     scenes = paper_simulation.scenes(mu2016_path, 1.0, range(30))
     result, _, _ = paper_simulation.run_all(scenes, ALL, 8, 30)

@@ -72,6 +72,7 @@ def lowest_of_many(graph, rng, num_starts):
     return min(list(levenberg_marquardt(anywhere(graph, rng), 1e-10))[-1].chi2 for _ in range(num_starts))
 
 
+@pytest.mark.slow
 def test_no_certified_minimum_has_a_lower_one_and_no_gap_is_too_small():
     certified = 0
     for seed in range(60):

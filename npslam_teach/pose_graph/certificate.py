@@ -65,13 +65,18 @@ def certify(graph: PoseGraph) -> Certificate:
     """
     at, layout = residuals(graph), layout_of(graph)
     quadratic = _quadratic_below(graph, layout, at.by_kind)
-    products = (layout.y.conj() * (quadratic @ layout.y)).real
-    multipliers, of_positions = products[: layout.num_headings], products[layout.num_headings :]
-    allowed = NEGLIGIBLE_GAP * at.chi2 / layout.num_headings
+    y, num_headings = layout.y, layout.num_headings
+    # A solver stops a little before the minimum. To the headings where it stopped, the best positions are known.
+    positions = _best_positions(quadratic, y[:num_headings])
+    if positions is None:
+        return Certificate(at.chi2, at.chi2, -np.inf)
+    best = np.append(y[:num_headings], positions)
+    still_to_go = ((best - y).conj() @ (quadratic @ (best - y))).real
+    multipliers = (best.conj() * (quadratic @ best)).real[:num_headings]
+    allowed = NEGLIGIBLE_GAP * at.chi2 / num_headings
     smallest = _smallest_eigenvalue(quadratic, multipliers, allowed / 2)
-    # What the positions add is zero at a minimum; and chi2 is nowhere negative.
-    gap = of_positions.sum() + layout.num_headings * max(-smallest, 0.0)
-    return Certificate(at.chi2, float(np.clip(gap, 0.0, at.chi2)), smallest)
+    gap = still_to_go + num_headings * max(-smallest, 0.0)
+    return Certificate(at.chi2, float(np.clip(gap, 0.0, at.chi2)), smallest)  # chi2 is nowhere negative
 
 
 def _quadratic_below(graph: PoseGraph, layout: Layout, by_kind: tuple[np.ndarray, ...]):
@@ -111,6 +116,15 @@ def _chordal_weight(weight: np.ndarray, slope: np.ndarray, error: np.ndarray) ->
     bend = np.abs(np.diff(ratio, 2, axis=1))
     lower = ratio[:, 1:-1] - bend
     return np.minimum(lower.min(axis=1), ratio[:, [0, -1]].min(axis=1))
+
+
+def _best_positions(quadratic, headings: np.ndarray) -> np.ndarray | None:
+    """The positions at which the quadratic is lowest, to given headings; None where isotropic weights leave it open."""
+    num_headings = len(headings)
+    if quadratic.shape[0] == num_headings:
+        return np.zeros(0, complex)
+    factors = _positive_factors(quadratic[num_headings:, num_headings:])
+    return factors and factors.solve(-(quadratic[num_headings:, :num_headings] @ headings))
 
 
 def _smallest_eigenvalue(quadratic, multipliers: np.ndarray, tolerance: float) -> float:

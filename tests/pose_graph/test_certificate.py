@@ -124,6 +124,16 @@ def test_it_does_not_depend_on_where_the_map_lies(seed):
     assert first.gap == pytest.approx(second.gap, rel=1e-3, abs=1e-6 * first.chi2)
 
 
+def test_measurements_of_bearing_alone_leave_it_open():
+    """Positions that only differently directed strips fix have no isotropic weight: nothing is claimed."""
+    graph = random_graph(0, num_landmarks=0)
+    turns = np.linspace(0, 3, len(graph.between.i))
+    strips = np.stack([np.cos(turns), np.sin(turns), np.zeros_like(turns)], axis=1)
+    information = strips[:, :, None] * strips[:, None, :] + np.diag([0.0, 0.0, 1.0])
+    certificate = certify(replace(graph, between=replace(graph.between, information=information)))
+    assert certificate.status == "none" and certificate.gap == certificate.chi2
+
+
 def test_in_words():
     assert str(pose_graph.Certificate(10.0, 1.25, -0.1)) == "gap <= 1.25"
     assert str(pose_graph.Certificate(10.0, 10.0, -9.0)) == "none"

@@ -11,6 +11,7 @@ import scipy.stats
 from graphs import pack, quarrelling_graph, random_graph, three_pose_graph, unpack, whitened_residuals
 
 from npslam_teach import datasets, np_graph, pose_graph, se2, simulate
+from npslam_teach.course.pose_graph.explorer import bad_starts
 from npslam_teach.pose_graph import factorization, levenberg_marquardt, linearization
 from npslam_teach.types import BetweenFactors, ObservationFactors, PoseGraph
 
@@ -223,3 +224,30 @@ def test_standard_graphs_reach_the_published_minimum(data_folder, name, expected
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert linearization.chi2(pose_graph.optimize(graph)) == pytest.approx(expected, rel=2e-8)
+
+
+def in_other_units(graph, factor):
+    """The same graph with lengths in another unit, standard deviations too."""
+    scale = np.array([factor, factor, 1.0])
+    between = replace(
+        graph.between,
+        relative_pose=graph.between.relative_pose * scale,
+        information=graph.between.information / scale[:, None] / scale,
+    )
+    seen = replace(
+        graph.observations, xy=graph.observations.xy * factor, information=graph.observations.information / factor**2
+    )
+    moved = graph.poses * scale, graph.landmarks * factor
+    return replace(graph, poses=moved[0], landmarks=moved[1], between=between, observations=seen)
+
+
+@pytest.mark.parametrize("start", ["wheels", "thrown about"])
+def test_damping_does_not_depend_on_the_unit_of_length(start):
+    """A multiple of H's own diagonal (Marquardt) is the same in metres and in feet; a constant (Levenberg) is not."""
+    graph = bad_starts()[0][start]
+    steps = list(levenberg_marquardt(graph))
+    for factor in (0.3048, 1000.0):
+        others = list(levenberg_marquardt(in_other_units(graph, factor)))
+        assert [each.damping for each in others] == [each.damping for each in steps]
+        np.testing.assert_allclose([each.chi2 for each in others], [each.chi2 for each in steps], rtol=1e-6)
+    assert max(each.damping for each in steps) > 0

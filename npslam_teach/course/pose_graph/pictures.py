@@ -12,11 +12,14 @@ from npslam_teach.plotting.style import (
     TEXT_SIZE,
     label_axes,
     legend_below,
+    legend_beside,
     new_figure,
 )
+from npslam_teach.pose_graph import Iteration
 from npslam_teach.pose_graph.fill_in import factor_pattern
 
 HAS_NUMBER, FILL = ESTIMATE_COLOR, "#e58fb1"
+CHI2_COLORS = ("#d45e00", ESTIMATE_COLOR)  # of the loop without precautions, and of the one with
 NUM_CELLS = 240  # of a sparsity picture, each way; larger matrices are drawn coarser
 
 
@@ -62,3 +65,22 @@ def plot_sparsity(ax: Axes, matrix, title: str) -> Axes:
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_locator(MaxNLocator(4, integer=True))
     return ax
+
+
+def chi2_figure(runs: dict[tuple[str, str], list[Iteration]]) -> Figure:
+    """The fall, and sometimes the rise, of chi2 over the iterations of two solvers from two starts.
+
+    Args:
+        runs: by the names of the start and of the solver, all iterations.
+    """
+    figure, ax = new_figure(size=(10, 4.5))
+    starts, solvers = (list(dict.fromkeys(names)) for names in zip(*runs, strict=True))
+    for (start, solver), run in runs.items():
+        line, marker = (("-", "o"), ("--", "s"))[starts.index(start)]
+        style = {"color": CHI2_COLORS[solvers.index(solver)], "linestyle": line, "marker": marker, "markersize": 4}
+        ax.plot([iteration.chi2 for iteration in run], label=f"{solver}, {start}", **style)
+    ax.set_yscale("log")
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+    legend_beside(ax)
+    label_axes(ax, "iteration (number)", "$\\chi^2$ (no unit, log scale)", "both loops from both starts")
+    return figure

@@ -9,6 +9,7 @@ import io
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -83,6 +84,98 @@ def as_array(name: str, answer, shape: tuple) -> tuple[np.ndarray | None, Verdic
     if not np.isfinite(array).all():
         return None, wrong(f"{name} holds {array[~np.isfinite(array)][0]}: some division or logarithm went wrong")
     return array, None
+
+
+def array_from(name: str, function: Callable, shape: tuple, *arguments) -> tuple[np.ndarray | None, Verdict | None]:
+    """What the student's function returns, as an array of the expected shape that is nobody else's; or a verdict.
+
+    Args:
+        name: what the answer is called in the verdict.
+        function: the student's.
+        shape: of a right answer.
+        arguments: of the function.
+    """
+    answer, verdict = answer_of(function, *arguments)
+    array, verdict = (None, verdict) if verdict else as_array(name, answer, shape)
+    return (None, verdict) if verdict else (array.copy(), None)
+
+
+def alike(answer, other) -> bool:
+    """Whether two answers, arrays or lists of arrays, have one shape and the same numbers."""
+    if isinstance(answer, list):
+        return all(alike(each, others) for each, others in zip(answer, other, strict=True))
+    return np.shape(answer) == np.shape(other) and np.allclose(answer, other)
+
+
+def judge(
+    answer, truth, mistakes: dict, otherwise: str | Callable[[], str], same: Callable = alike, like: Callable = alike
+) -> Verdict | None:
+    """None where the answer is right; else the verdict that names the mistake which gives this very answer.
+
+    Args:
+        answer: an array, or a list of them.
+        truth: what it should be.
+        mistakes: by message, what the mistake gives; or a function that works it out.
+        otherwise: what to say of a mistake that nobody thought of, or a function that finds words.
+        same: ``same(answer, truth)``, whether it is right.
+        like: ``like(answer, other)``, whether it is as this mistake makes it.
+    """
+    if same(answer, truth):
+        return None
+    for message, mistaken in mistakes.items():
+        if like(answer, mistaken() if callable(mistaken) else mistaken):
+            return wrong(message)
+    return wrong(otherwise() if callable(otherwise) else otherwise)
+
+
+def judge_function(
+    name: str,
+    function: Callable,
+    trials: list[tuple],
+    truth: Callable,
+    mistakes: dict[str, Callable],
+    praise: str,
+    otherwise: Callable[[list, list], str],
+    **how,
+) -> Verdict:
+    """Run all trials, and name the mistake that explains every answer.
+
+    Args:
+        name: what an answer is called.
+        function: the student's.
+        trials: arguments of the function.
+        truth: the right function.
+        mistakes: by message, a function that makes the mistake; its answer may have another shape.
+        praise: for a right one.
+        otherwise: from the answers and the right ones to what can be said of an unknown mistake.
+        how: ``same`` and ``like`` of ``judge``.
+    """
+    answers, expected = [], _answers(truth, trials)
+    for trial, wanted in zip(trials, expected, strict=True):
+        answer, verdict = answer_of(function, *(np.array(each) if np.ndim(each) else each for each in trial))
+        if verdict is None:
+            shapes = [np.shape(mistake(*trial)) for mistake in mistakes.values()]
+            shape = np.shape(answer) if _is_one_of(answer, shapes) else np.shape(wanted)
+            answer, verdict = as_array(name, answer, shape)
+        if verdict is not None:
+            return verdict
+        answers.append(answer)
+    made = {
+        message: (lambda mistake=mistake: [mistake(*trial) for trial in trials])
+        for message, mistake in mistakes.items()
+    }
+    return judge(answers, expected, made, lambda: otherwise(answers, expected), **how) or right(praise)
+
+
+def _answers(function: Callable, trials: list[tuple]) -> list:
+    return [function(*trial) for trial in trials]
+
+
+def _is_one_of(answer, shapes: list) -> bool:
+    try:
+        return np.shape(answer) in shapes
+    except ValueError:  # rows of different lengths
+        return False
 
 
 def numerical_jacobian(function: Callable, at: np.ndarray, step: float = 1e-6) -> np.ndarray:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from npslam_teach.association import class_posterior, count_votes, false_positives
-from npslam_teach.course.checking import Verdict, answer_of, as_array, right, wrong
+from npslam_teach.course.checking import Verdict, answer_of, as_array, judge, right, wrong
 
 
 def check_count_votes(function) -> Verdict:
@@ -19,8 +19,9 @@ def check_count_votes(function) -> Verdict:
         array, verdict = as_array("the votes", answer, (num_objects, num_classes + 1))
         if verdict:
             return _wrong_shape(answer, verdict, sizes)
-        if not np.array_equal(array, count_votes(labels, obs_class, *sizes)):
-            return _wrong_votes(array, labels, obs_class, sizes)
+        verdict = _judged_votes(array, labels, obs_class, sizes)
+        if verdict:
+            return verdict
     return right("every row is one object's beta, and the first column doubts that there is anything at all")
 
 
@@ -33,7 +34,7 @@ def _wrong_shape(answer, verdict: Verdict, sizes: tuple) -> Verdict:
     return verdict
 
 
-def _wrong_votes(answer, labels, obs_class, sizes: tuple) -> Verdict:
+def _judged_votes(answer, labels, obs_class, sizes: tuple) -> Verdict | None:
     exact = count_votes(labels, obs_class, *sizes)
     no_doubt = exact.copy()
     no_doubt[:, 0] = 0.0
@@ -47,8 +48,9 @@ def _wrong_votes(answer, labels, obs_class, sizes: tuple) -> Verdict:
     overwritten[:, 0] = 1.0
     last = exact.copy()
     np.add.at(last, (labels[~used], obs_class[~used] + 1), 1.0)
-    return _named(
+    return judge(
         answer,
+        exact,
         {
             "column 0 holds no false-positive vote; every object has one from the start": no_doubt,
             "several votes for one entry count once: votes[i, c] += 1 with arrays of indices forgets repetitions": once,
@@ -71,17 +73,19 @@ def check_class_posterior(function) -> Verdict:
         array, verdict = (None, verdict) if verdict else as_array("the posterior", answer, votes.shape)
         if verdict:
             return verdict
-        if not np.allclose(array, class_posterior(votes)):
-            return _wrong_posterior(array, votes)
+        verdict = _judged_posterior(array, votes)
+        if verdict:
+            return verdict
     return right("each row adds up to 1, the doubt included")
 
 
-def _wrong_posterior(answer, votes) -> Verdict:
+def _judged_posterior(answer, votes) -> Verdict | None:
     above = votes - 1
     classes = np.where(np.arange(votes.shape[1]) > 0, votes, 0.0)
     softmax = np.exp(votes) / np.exp(votes).sum(axis=1, keepdims=True)
-    return _named(
+    return judge(
         answer,
+        class_posterior(votes),
         {
             "you divided by the votes without the false-positive vote; it counts among them": votes
             / classes.sum(axis=1, keepdims=True),
@@ -145,8 +149,9 @@ def check_log_density(function) -> Verdict:
         array, verdict = (None, verdict) if verdict else as_array("the log density", answer, ())
         if verdict:
             return verdict
-        if not np.isclose(array, dirichlet.logpdf(point, concentration)):
-            return _wrong_log_density(array, point, concentration)
+        verdict = _judged_log_density(array, point, concentration)
+        if verdict:
+            return verdict
     many = np.array([400.0, 300.0, 1.0])
     point = np.array([0.57, 0.42, 0.01])
     if not _gives(dirichlet.logpdf(point, many), function, point, many):
@@ -154,13 +159,15 @@ def check_log_density(function) -> Verdict:
     return right("a number that any count of votes can be put into")
 
 
-def _wrong_log_density(answer, x, a) -> Verdict:
+def _judged_log_density(answer, x, a) -> Verdict | None:
     from scipy.special import gammaln
+    from scipy.stats import dirichlet
 
     log_beta = gammaln(a).sum() - gammaln(a.sum())
     exact = ((a - 1) * np.log(x)).sum() - log_beta
-    return _named(
+    return judge(
         answer,
+        dirichlet.logpdf(x, a),
         {
             "the factor 1 / B(a) is missing": exact + log_beta,
             "B(a) stands under the fraction: its logarithm is subtracted": exact + 2 * log_beta,
@@ -183,8 +190,9 @@ def check_true_class(function) -> Verdict:
         array, verdict = (None, verdict) if verdict else as_array("the posterior", answer, (size,))
         if verdict:
             return verdict
-        if not np.allclose(array, true_class(votes, confusion)):
-            return _wrong_true_class(array, votes, confusion)
+        verdict = _judged_true_class(array, votes, confusion)
+        if verdict:
+            return verdict
     confusion, votes = np.array([[0.7, 0.3], [0.4, 0.6]]), np.array([3000.0, 1500.0])
     if not _gives(true_class(votes, confusion), function, votes, confusion):
         return wrong("with 4500 votes the product is too small for a number: add logarithms, and take off the largest")
@@ -203,11 +211,12 @@ def true_class(votes: np.ndarray, confusion: np.ndarray) -> np.ndarray:
     return posterior / posterior.sum(axis=-1, keepdims=True)
 
 
-def _wrong_true_class(answer, votes, confusion) -> Verdict:
+def _judged_true_class(answer, votes, confusion) -> Verdict | None:
     by_column = true_class(votes, confusion.T)
     product = np.exp(votes @ np.log(confusion).T)
-    return _named(
+    return judge(
         answer,
+        true_class(votes, confusion),
         {
             "rows and columns are exchanged: row c of the matrix belongs to the true class c": by_column,
             "the confusion matrix is not used: these are the shares of the votes": votes / votes.sum(),
@@ -231,11 +240,3 @@ def _gives(expected, function, *arguments) -> bool:
         answer, verdict = answer_of(function, *arguments)
     array, verdict = (None, verdict) if verdict else as_array("the answer", answer, np.shape(expected))
     return verdict is None and np.allclose(array, expected)
-
-
-def _named(answer: np.ndarray, mistakes: dict, otherwise: str) -> Verdict:
-    """The verdict that names the mistake which gives this very answer."""
-    for message, value in mistakes.items():
-        if np.shape(value) == answer.shape and np.allclose(answer, value):
-            return wrong(message)
-    return wrong(otherwise)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from npslam_teach.association import association_weights, decide, expected_num_objects, reweight, sweep
-from npslam_teach.course.checking import Verdict, answer_of, as_array, right, wrong
+from npslam_teach.course.checking import Verdict, answer_of, as_array, judge, right, wrong
 
 
 def check_weights(function) -> Verdict:
@@ -19,17 +19,18 @@ def check_weights(function) -> Verdict:
         array, shape_verdict = (None, verdict) if verdict else as_array("the weights", answer, (5,))
         if shape_verdict:
             return shape_verdict
-        expected = association_weights(votes, distance, kernel_std)
-        if not np.allclose(array, expected):
-            return _wrong_weights(array, votes, distance, kernel_std)
+        verdict = _judged_weights(array, votes, distance, kernel_std)
+        if verdict:
+            return verdict
     return right("votes say how rich an object is, and distance fades its pull")
 
 
-def _wrong_weights(answer, votes, distance, s) -> Verdict:
+def _judged_weights(answer, votes, distance, s) -> Verdict | None:
     exact = association_weights(votes, distance, s)
     near = np.exp(-(distance**2) / (2 * s**2))
-    return _named(
+    return judge(
         answer,
+        exact,
         {
             "the votes are missing: a sighting of another class has the same weight as one of its own": near,
             "the distance is not squared in the exponent": votes * np.exp(-distance / (2 * s**2)),
@@ -55,16 +56,18 @@ def check_reweight(function) -> Verdict:
         array, verdict = as_array("the probabilities", answer, (num_objects + 1,))
         if verdict:
             return verdict
-        if not np.allclose(array, reweight(weights, alpha)):
-            return _wrong_reweight(array, weights, alpha)
+        verdict = _judged_reweight(array, weights, alpha)
+        if verdict:
+            return verdict
     return right("one more chair at the table, and everybody moves up a little")
 
 
-def _wrong_reweight(answer, weights, alpha) -> Verdict:
+def _judged_reweight(answer, weights, alpha) -> Verdict | None:
     exact, total = reweight(weights, alpha), weights.sum()
     both = np.append(weights, alpha)
-    return _named(
+    return judge(
         answer,
+        exact,
         {
             "the sum under the fraction leaves alpha out, so the probabilities add up to more than 1": both / total,
             "these are the weights themselves: nothing was divided by their sum": both,
@@ -131,15 +134,17 @@ def check_expected_tables(function) -> Verdict:
         array, verdict = (None, verdict) if verdict else as_array("the expected number", answer, ())
         if verdict:
             return verdict
-        if not np.isclose(array, expected_num_objects(num_guests, alpha)):
-            return _wrong_tables(float(array), num_guests, alpha)
+        verdict = _judged_tables(float(array), num_guests, alpha)
+        if verdict:
+            return verdict
     return right("the number of tables grows with every guest, ever more slowly, and never stops")
 
 
-def _wrong_tables(answer: float, n: int, alpha: float) -> Verdict:
+def _judged_tables(answer: float, n: int, alpha: float) -> Verdict | None:
     late = alpha / (alpha + np.arange(1, n + 1))
-    return _named(
+    return judge(
         np.array(answer),
+        np.array(expected_num_objects(n, alpha)),
         {
             "the first guest comes when 0 others sit there, and opens a table for certain": late.sum(),
             "that is the chance of the last guest alone; add up those of all": alpha / (alpha + n - 1),
@@ -222,11 +227,3 @@ def _sweep_with(mistake: str, labels, landmarks, xy, obs_class, alpha) -> np.nda
         votes[own if mistake == "old votes" else chosen, c] += mistake != "own vote" or chosen != own
         votes[own, c] -= mistake == "own vote" and chosen != own
     return labels
-
-
-def _named(answer: np.ndarray, mistakes: dict, otherwise: str) -> Verdict:
-    """The verdict that names the mistake which gives this very answer."""
-    for message, value in mistakes.items():
-        if np.shape(value) == answer.shape and np.allclose(answer, value):
-            return wrong(message)
-    return wrong(otherwise)

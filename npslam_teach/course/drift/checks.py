@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.course.checking import Verdict, answer_of, as_array, right, wrong
+from npslam_teach.course.checking import Verdict, judge_function
 
 NOT_WRAPPED = "the angle is not wrapped: one direction has two numbers, keep the one from -180 up to 180 degrees"
 NOT_TURNED = "nothing is turned: 'forward' and 'left' are the robot's directions, not the room's"
@@ -127,41 +127,30 @@ def _with(pose: np.ndarray, index: int, value: float) -> np.ndarray:
 
 
 def _judge(name: str, function: Callable, trials: list, truth: Callable, mistakes: list, praise: str) -> Verdict:
-    """Run all trials, and name the mistake that explains every answer; a missing wrap is looked for first."""
-    answers, expected = [], [truth(*trial) for trial in trials]
-    for trial, wanted in zip(trials, expected, strict=True):
-        answer, verdict = answer_of(function, *(np.array(each) for each in trial))
-        if verdict is None:
-            shapes = [np.shape(wanted)] + [np.shape(mistake(*trial)) for mistake, _ in mistakes]
-            shape = np.shape(answer) if _is_one_of(answer, shapes) else np.shape(wanted)
-            answer, verdict = as_array(name, answer, shape)
-        if verdict is not None:
-            return verdict
-        answers.append(answer)
-    if _alike(answers, expected):
-        return right(praise)
-    if np.shape(expected[0])[-1] == 3 and _alike(answers, expected, up_to_whole_turns=True):
-        return wrong(NOT_WRAPPED)
-    for mistake, message in mistakes:
-        if _alike(answers, [mistake(*trial) for trial in trials], up_to_whole_turns=True):
-            return wrong(message)
-    return wrong(_difference(name, answers, expected))
+    """Judge, a missing wrap first; all other mistakes are looked for whether or not angles are wrapped."""
+    by_message = {message: mistake for mistake, message in mistakes}
+    if np.shape(truth(*trials[0]))[-1] == 3:
+        by_message = {NOT_WRAPPED: truth} | by_message
+
+    def otherwise(answers, expected):
+        return _difference(name, answers, expected)
+
+    return judge_function(
+        name, function, trials, truth, by_message, praise, otherwise, same=_same, like=_same_up_to_turns
+    )
 
 
-def _is_one_of(answer, shapes: list) -> bool:
-    try:
-        return np.shape(answer) in shapes
-    except ValueError:  # rows of different lengths
-        return False
+def _same_up_to_turns(answers: list, others: list) -> bool:
+    return _same(answers, others, up_to_turns=True)
 
 
-def _alike(answers: list, others: list, up_to_whole_turns: bool = False) -> bool:
+def _same(answers: list, others: list, up_to_turns: bool = False) -> bool:
     """Whether all answers equal the others; angles stand in the last of three columns."""
     for answer, other in zip(answers, others, strict=True):
         if answer.shape != np.shape(other):
             return False
         difference = answer - other
-        if up_to_whole_turns and answer.shape[-1] == 3:
+        if up_to_turns and answer.shape[-1] == 3:
             difference[..., 2] = se2.wrap(difference[..., 2])
         if np.abs(difference).max() > 1e-6:
             return False

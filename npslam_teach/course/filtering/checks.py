@@ -7,7 +7,7 @@ from itertools import permutations
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.course.checking import Verdict, answer_of, as_array, right, wrong
+from npslam_teach.course.checking import Verdict, answer_of, as_array, judge_function, right, wrong
 
 NOT_SQUARED = "a standard deviation must be squared before it is added to a variance"
 
@@ -230,26 +230,9 @@ def _covariance(rng: np.random.Generator, size: int) -> np.ndarray:
 
 
 def _judge(name: str, function: Callable, trials: list, truth: Callable, mistakes: dict, praise: str) -> Verdict:
-    """Run all trials, and name the mistake that explains every answer."""
-    answers = []
-    for trial in trials:
-        answer, verdict = answer_of(function, *(np.array(each) if np.ndim(each) else each for each in trial))
-        if verdict is None:
-            answer, verdict = as_array(name, answer, np.shape(truth(*trial)))
-        if verdict is not None:
-            return verdict
-        answers.append(answer)
-    if _alike(answers, trials, truth):
-        return right(praise)
-    for message, mistake in mistakes.items():
-        if _alike(answers, trials, mistake):
-            return wrong(message)
-    off = next(trial for answer, trial in zip(answers, trials, strict=True) if not np.allclose(answer, truth(*trial)))
-    shown = ", ".join(
-        np.array2string(np.round(each, 2), separator=", ").replace("\n", "") for each in map(np.array, off)
-    )
-    return wrong(f"{name} is off, for example for {shown}")
+    def for_example(answers, expected):
+        off = next(trial for a, e, trial in zip(answers, expected, trials, strict=True) if not np.allclose(a, e))
+        shown = (np.array2string(np.round(each, 2), separator=", ").replace("\n", "") for each in map(np.array, off))
+        return f"{name} is off, for example for {', '.join(shown)}"
 
-
-def _alike(answers: list, trials: list, other: Callable) -> bool:
-    return all(np.allclose(answer, other(*trial)) for answer, trial in zip(answers, trials, strict=True))
+    return judge_function(name, function, trials, truth, mistakes, praise, for_example)

@@ -4,7 +4,7 @@ import numpy as np
 
 from npslam_teach.association import false_positives
 from npslam_teach.camera import Intrinsics, back_project, foreground, on_floor
-from npslam_teach.course.checking import Verdict, answer_of, as_array, right, wrong
+from npslam_teach.course.checking import Verdict, array_from, judge, right
 
 _CAMERA = Intrinsics(width=160, height=120, fx=140.0, fy=150.0, cx=81.0, cy=57.5)
 
@@ -14,7 +14,7 @@ def check_pixel_to_point(pixel_to_point) -> Verdict:
     rng = np.random.default_rng(1)
     for _ in range(5):
         u, v, depth = rng.uniform(0, 159), rng.uniform(0, 119), rng.uniform(0.5, 4.0)
-        answer, verdict = _array("the point", pixel_to_point, (3,), u, v, depth, _CAMERA)
+        answer, verdict = array_from("the point", pixel_to_point, (3,), u, v, depth, _CAMERA)
         if verdict:
             return verdict
         truth = back_project(u, v, depth, _CAMERA)
@@ -48,7 +48,7 @@ def check_foreground_centre(foreground_centre) -> Verdict:
         # A wall behind, and a few stray readings before: the nearest point is not the object.
         wall, stray = rng.normal([0.6, 0.0, 3.5], 0.1, (40, 3)), rng.normal([0.0, 0.0, 0.8], 0.02, (3, 3))
         points = rng.permutation(np.concatenate([front, wall, stray]))
-        answer, verdict = _array("the centre", foreground_centre, (2,), points.copy())
+        answer, verdict = array_from("the centre", foreground_centre, (2,), points.copy())
         if verdict:
             return verdict
         kept = points[foreground(points)].mean(axis=0)
@@ -75,7 +75,7 @@ def check_position_variance(position_variance) -> Verdict:
         num_objects = int(rng.integers(3, 6))
         labels = rng.permutation(np.concatenate([np.arange(num_objects), rng.integers(0, num_objects - 1, 20)]))
         xy = rng.normal(size=(len(labels), 2)) + 3.0 * labels[:, None]
-        answer, verdict = _array("the variances", position_variance, (num_objects,), xy.copy(), labels, num_objects)
+        answer, verdict = array_from("the variances", position_variance, (num_objects,), xy.copy(), labels, num_objects)
         if verdict:
             return verdict
         groups = [xy[labels == k] for k in range(num_objects)]
@@ -108,7 +108,7 @@ def check_valid_and_inliers(valid_and_inliers) -> Verdict:
         votes = np.column_stack([np.ones(12), rng.integers(1, 9, 12), rng.integers(0, 3, (12, 2))]).astype(float)
         # Exactly at the bar in half of the cases: such an object stays.
         epsilon = rng.choice([1 / votes[0].sum(), rng.uniform(0.1, 0.3)])
-        answer, verdict = _array("the pair", valid_and_inliers, (2,), votes.copy(), epsilon)
+        answer, verdict = array_from("the pair", valid_and_inliers, (2,), votes.copy(), epsilon)
         if verdict:
             return verdict
         bad = false_positives(votes, epsilon)
@@ -139,7 +139,7 @@ def check_floor_pose(floor_pose) -> Verdict:
     for heading in (0.4, -0.9, 2.6, -2.8, 1.7):
         tilt = rng.uniform(0.05, 0.2)
         camera = _camera_pose(rng.uniform(-3, 3, 3), heading, tilt)
-        answer, verdict = _array("the pose", floor_pose, (3,), camera.copy())
+        answer, verdict = array_from("the pose", floor_pose, (3,), camera.copy())
         if verdict:
             return verdict
         x, y = camera[2, 3], -camera[0, 3]
@@ -174,20 +174,11 @@ def _camera_pose(position: np.ndarray, heading: float, tilt: float) -> np.ndarra
     return pose
 
 
-def _array(name: str, function, shape: tuple, *arguments) -> tuple[np.ndarray | None, Verdict | None]:
-    """What the student's function returns, as an array of its own; or a verdict."""
-    answer, verdict = answer_of(function, *arguments)
-    if verdict:
-        return None, verdict
-    array, verdict = as_array(name, answer, shape)
-    return (None, verdict) if verdict else (array.copy(), None)
-
-
 def _compared(answer: np.ndarray, truth: np.ndarray, mistakes: dict) -> Verdict | None:
     """None where the answer is right; else the verdict that names the mistake, or the size of the difference."""
-    if np.allclose(answer, truth, atol=1e-9):
-        return None
-    for message, mistaken in mistakes.items():
-        if np.allclose(answer, mistaken, atol=1e-9):
-            return wrong(message)
-    return wrong(f"the largest difference from what it should be is {np.abs(answer - truth).max():.3g}")
+    difference = f"the largest difference from what it should be is {np.abs(answer - truth).max():.3g}"
+    return judge(answer, truth, mistakes, difference, same=_close, like=_close)
+
+
+def _close(answer: np.ndarray, other) -> bool:
+    return np.allclose(answer, other, atol=1e-9)

@@ -5,10 +5,9 @@ from collections.abc import Callable
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.course.checking import Verdict, answer_of, as_array, numerical_jacobian, right, wrong
+from npslam_teach.course.checking import Verdict, array_from, judge, numerical_jacobian, right, wrong
 from npslam_teach.pose_graph import between_residual, observation_jacobians, observation_residual
 
-CLOSE = {"rtol": 1e-6, "atol": 1e-6}
 TRIALS = 5
 
 
@@ -17,7 +16,7 @@ def check_observation_residual(student: Callable) -> Verdict:
     rng = np.random.default_rng(1)
     for _ in range(TRIALS):
         pose, landmark, measured = _pose(rng), rng.uniform(-3, 3, 2), rng.uniform(-3, 3, 2)
-        answer, verdict = _array("the residual", student, (2,), pose, landmark, measured)
+        answer, verdict = array_from("the residual", student, (2,), pose, landmark, measured)
         if verdict:
             return verdict
         seen = se2.apply_inverse(pose, landmark)
@@ -43,7 +42,7 @@ def check_observation_jacobian(student: Callable) -> Verdict:
     rng = np.random.default_rng(2)
     for _ in range(TRIALS):
         pose, landmark = _pose(rng), rng.uniform(-3, 3, 2)
-        answer, verdict = _array("the Jacobian", student, (2, 3), pose, landmark)
+        answer, verdict = array_from("the Jacobian", student, (2, 3), pose, landmark)
         if verdict:
             return verdict
         by_pose, by_landmark = observation_jacobians(pose, landmark)
@@ -71,7 +70,7 @@ def check_between_residual(student: Callable) -> Verdict:
     for theta_i, theta_j in headings:
         pose_i, pose_j = np.append(rng.uniform(-3, 3, 2), theta_i), np.append(rng.uniform(-3, 3, 2), theta_j)
         measured = np.append(rng.uniform(-1, 1, 2), se2.wrap(theta_j - theta_i + 0.1))
-        answer, verdict = _array("the residual", student, (3,), pose_i, pose_j, measured)
+        answer, verdict = array_from("the residual", student, (3,), pose_i, pose_j, measured)
         if verdict:
             return verdict
         expected = between_residual(pose_i, pose_j, measured)
@@ -107,7 +106,7 @@ def check_gauss_newton_step(student: Callable) -> Verdict:
     rng = np.random.default_rng(4)
     for _ in range(TRIALS):
         H, b = _normal_equations(rng)
-        answer, verdict = _array("the step", student, b.shape, H.copy(), b.copy())
+        answer, verdict = array_from("the step", student, b.shape, H.copy(), b.copy())
         if verdict:
             return _about_the_gauge(verdict, len(b))
         expected = _held(H, b, slice(3, None))
@@ -148,7 +147,7 @@ def check_landmark_covariance(student: Callable) -> Verdict:
         size = 3 * (num_poses - 1) + 2 * num_landmarks
         root = rng.normal(size=(size, size + 5))
         H, k = root @ root.T, int(rng.integers(0, 2))
-        answer, verdict = _array("the covariance", student, (2, 2), H.copy(), num_poses, k)
+        answer, verdict = array_from("the covariance", student, (2, 2), H.copy(), num_poses, k)
         if verdict:
             return verdict
         at = 3 * (num_poses - 1) + 2 * k
@@ -175,21 +174,20 @@ def _pose(rng: np.random.Generator) -> np.ndarray:
     return np.append(rng.uniform(-3, 3, 2), rng.uniform(0.4, 2.5))
 
 
-def _array(name: str, student: Callable, shape: tuple, *arguments) -> tuple[np.ndarray | None, Verdict | None]:
-    answer, verdict = answer_of(student, *arguments)
-    return (None, verdict) if verdict else as_array(name, answer, shape)
-
-
 def _compare(answer: np.ndarray, expected: np.ndarray, mistakes: list, hint: str = "") -> Verdict | None:
     """None when right; else the mistake that gives this answer, or else where it differs."""
-    if np.allclose(answer, expected, **CLOSE):
-        return None
-    for typical, message in mistakes:
-        if typical.shape == answer.shape and np.allclose(answer, typical, **CLOSE):
-            return wrong(message)
-    off = np.unravel_index(np.abs(answer - expected).argmax(), answer.shape)
-    where = f"{hint}{off[-1]}" if hint else f"entry {', '.join(str(int(k)) for k in off)}"
-    return wrong(f"{where} is off by {np.abs(answer - expected).max():.3g}")
+
+    def where():
+        off = np.unravel_index(np.abs(answer - expected).argmax(), answer.shape)
+        place = f"{hint}{off[-1]}" if hint else f"entry {', '.join(str(int(k)) for k in off)}"
+        return f"{place} is off by {np.abs(answer - expected).max():.3g}"
+
+    by_message = {message: typical for typical, message in mistakes}
+    return judge(answer, expected, by_message, where, same=_close, like=_close)
+
+
+def _close(answer: np.ndarray, other: np.ndarray) -> bool:
+    return answer.shape == other.shape and np.allclose(answer, other, rtol=1e-6, atol=1e-6)
 
 
 def _normal_equations(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:

@@ -160,10 +160,7 @@ def judge_function(
         if verdict is not None:
             return verdict
         answers.append(answer)
-    made = {
-        message: (lambda mistake=mistake: [mistake(*trial) for trial in trials])
-        for message, mistake in mistakes.items()
-    }
+    made = {message: partial(_answers, mistake, trials) for message, mistake in mistakes.items()}
     return judge(answers, expected, made, lambda: otherwise(answers, expected), **how) or right(praise)
 
 

@@ -14,7 +14,6 @@ from npslam_teach.association import all_partitions, objective
 from npslam_teach.course.alternation import checks, false_positives_explorer, pictures
 from npslam_teach.course.alternation import explorer as alternation_explorer
 from npslam_teach.course.alternation import figures as figures06
-from npslam_teach.course.checking import BLANK
 from npslam_teach.methods.np_graph import CONSISTENT_STD, half_steps
 from npslam_teach.methods.snapshots import snapshot
 from npslam_teach.pose_graph import with_associations
@@ -299,36 +298,6 @@ def test_errors_of_the_explorers_reach_the_student(module, toy, monkeypatch):
 
 
 # --- the checks ------------------------------------------------------------------------------------------------------
-
-NAMES = ("my_objective", "votes_of_others", "one_alternation", "kept")
-CHECKS = (
-    checks.check_objective,
-    checks.check_votes_of_others,
-    checks.check_one_alternation,
-    checks.check_kept,
-)
-
-
-@pytest.mark.parametrize(("check", "name"), list(zip(CHECKS, NAMES, strict=True)))
-def test_checks_accept_the_solution(check, name, solutions):
-    assert check(solutions[name]).passed
-
-
-@pytest.mark.parametrize("check", CHECKS)
-@pytest.mark.parametrize("blank", [..., None, lambda *arguments: ..., lambda *arguments: None])
-def test_checks_recognise_the_blank(check, blank):
-    verdict = check(blank)
-    assert not verdict.passed and verdict.message == BLANK
-
-
-@pytest.mark.parametrize("check", CHECKS)
-@pytest.mark.parametrize(
-    "answer", ["words", 3, np.nan, [], {}, object(), np.zeros((2, 2)), (1, 2), (np.zeros(24), None), [[1], [1, 2]]]
-)
-def test_checks_never_raise(check, answer):
-    assert not check(lambda *arguments: answer).passed
-    assert not check(lambda: answer).passed  # too few arguments
-    assert not check(answer).passed
 
 
 def crowds(votes, gamma=math.lgamma):

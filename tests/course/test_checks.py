@@ -2,8 +2,38 @@
 
 import numpy as np
 import pytest
+from exercises import assert_accepts_the_solution_and_no_blank, assert_no_answer_breaks, exercises
 
 from npslam_teach.course import checking
+from npslam_teach.course.checking import BLANK
+
+EXERCISES = exercises()
+WRONG_ANSWERS = [
+    *("text", "1", {}, {"a": 1}, [], object(), True, 3, 3.0, -1, 1j, np.nan, -np.inf, (1, 2), ([1], [2]), ("a", "b")),
+    *([[1], [1, 2]], [[1, 2], [3, 4]], [1, 2, 3, 4], ({}, [[1], [2, 3]]), np.zeros(3), np.full(3, np.inf)),
+    *(np.full(5, np.inf), np.zeros((2, 2)), np.full((2, 2), np.inf), np.zeros((2, 2, 2)), np.zeros((7, 7))),
+]
+HALF_BLANK = [(..., ...), (None, None), (None, [1]), (np.zeros(5), ...), (np.zeros(24), None)]
+
+
+def test_every_lesson_with_exercises_is_checked():
+    assert len({exercise.lesson for exercise in EXERCISES}) == 9
+    assert len(EXERCISES) == 41
+
+
+@pytest.mark.parametrize("exercise", EXERCISES, ids=str)
+def test_solutions_are_accepted_and_blanks_are_not(exercise):
+    assert_accepts_the_solution_and_no_blank(exercise.checked, exercise.solution)
+
+
+@pytest.mark.parametrize("exercise", EXERCISES, ids=str)
+def test_no_answer_breaks_a_check(exercise):
+    check = exercise.checked
+    assert not check(lambda *a: 1 / 0).passed
+    for wrong in WRONG_ANSWERS + HALF_BLANK:
+        assert_no_answer_breaks(check, wrong)
+    for wrong in WRONG_ANSWERS:
+        assert check(lambda *a, wrong=wrong: wrong).message != BLANK
 
 
 def test_a_verdict_reads_as_a_sentence():

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from exercises import assert_accepts_the_solution_and_no_blank, assert_no_answer_breaks, solved_names
 from matplotlib.colors import to_hex
-from test_dirichlet_process_lesson import assert_readable
+from readable import assert_readable
 
 from npslam_teach import association, plotting, simulate
 from npslam_teach.association import class_posterior, count_votes, false_positives
@@ -15,34 +14,6 @@ from npslam_teach.evaluation import Metrics
 CLASSES = simulate.TOY_CLASSES
 
 # --- exercises -------------------------------------------------------------------------------------------------------
-
-CHECKS = {
-    "my_votes": checks.check_count_votes,
-    "my_class_posterior": checks.check_class_posterior,
-    "my_false_positives": checks.check_false_positives,
-    "my_log_density": checks.check_log_density,
-    "my_true_class": checks.check_true_class,
-}
-
-
-@pytest.fixture(scope="module")
-def solved():
-    """What the solutions notebook defines, by name."""
-    return solved_names("05")
-
-
-@pytest.mark.parametrize("name", CHECKS)
-def test_solutions_are_accepted_and_blanks_are_not(name, solved):
-    assert_accepts_the_solution_and_no_blank(CHECKS[name], solved[name])
-
-
-@pytest.mark.parametrize("name", CHECKS)
-@pytest.mark.parametrize(
-    "answer",
-    ["text", {}, [], [[1], [1, 2]], np.nan, np.zeros((2, 2, 2)), [1, 2, 3, 4], object(), "1", np.full(3, np.inf), True],
-)
-def test_no_answer_breaks_a_check(name, answer):
-    assert_no_answer_breaks(CHECKS[name], answer)
 
 
 def without_add_at(labels, obs_class, num_objects, num_classes):

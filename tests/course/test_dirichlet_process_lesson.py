@@ -1,13 +1,10 @@
 """Lesson 04: its checks know the usual mistakes, its pictures hold the numbers, its explorer says what is true."""
 
-import itertools
-
 import numpy as np
 import pytest
-from exercises import assert_accepts_the_solution_and_no_blank, assert_no_answer_breaks, solved_names
-from matplotlib.backends.backend_agg import FigureCanvasAgg
+from exercises import checks_and_solutions
 from matplotlib.colors import to_hex
-from matplotlib.text import Text
+from readable import assert_readable
 
 from npslam_teach import dead_reckoning, plotting, se2, simulate
 from npslam_teach.association import association_probabilities, association_weights, decide, expected_num_objects
@@ -15,34 +12,6 @@ from npslam_teach.course.dirichlet_process import checks, figures, pictures
 from npslam_teach.course.dirichlet_process import explorer as dirichlet_process_explorer
 
 # --- exercises -------------------------------------------------------------------------------------------------------
-
-CHECKS = {
-    "my_weights": checks.check_weights,
-    "my_reweight": checks.check_reweight,
-    "my_decision": checks.check_decide,
-    "my_expected_tables": checks.check_expected_tables,
-    "my_sweep": checks.check_sweep,
-}
-
-
-@pytest.fixture(scope="module")
-def solved():
-    """What the solutions notebook defines, by name."""
-    return solved_names("04")
-
-
-@pytest.mark.parametrize("name", CHECKS)
-def test_solutions_are_accepted_and_blanks_are_not(name, solved):
-    assert_accepts_the_solution_and_no_blank(CHECKS[name], solved[name])
-
-
-@pytest.mark.parametrize("name", CHECKS)
-@pytest.mark.parametrize(
-    "answer",
-    ["text", {}, [], [[1], [1, 2]], np.nan, np.zeros((2, 2, 2)), [1, 2, 3, 4], object(), "1", np.full(3, np.inf), True],
-)
-def test_no_answer_breaks_a_check(name, answer):
-    assert_no_answer_breaks(CHECKS[name], answer)
 
 
 @pytest.mark.parametrize(
@@ -161,9 +130,11 @@ def test_the_sweep_is_judged_by_its_groups_not_by_its_numbers():
     assert not verdict.passed and "1 objects where there should be" in verdict.message
 
 
-def test_checks_survive_students_who_change_their_arguments(solved):
+def test_checks_survive_students_who_change_their_arguments():
+    _, solution = checks_and_solutions("04_dirichlet_process")
+
     def changes(labels, landmarks, xy, obs_class, alpha):
-        answer = solved["my_sweep"](labels, landmarks, xy, obs_class, alpha)
+        answer = solution(5)(labels, landmarks, xy, obs_class, alpha)
         labels[:], xy[:] = 0, 0
         return answer
 
@@ -176,38 +147,6 @@ def test_checks_survive_students_who_change_their_arguments(solved):
 @pytest.fixture
 def ax():
     return plotting.new_figure()[1]
-
-
-def texts_of(figure):
-    """Every visible text that says something, with the box that it covers."""
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    said = [text for text in figure.findobj(Text) if text.get_visible() and text.get_text().strip()]
-    # Text's own method: that of an annotation includes the point it refers to.
-    boxes = [(text.get_text(), Text.get_window_extent(text, canvas.get_renderer())) for text in said]
-    beyond = {text for ax in figure.axes for axis in (ax.xaxis, ax.yaxis) for text in labels_out_of_view(axis)}
-    return [both for text, both in zip(said, boxes, strict=True) if text not in beyond]
-
-
-def labels_out_of_view(axis):
-    """Matplotlib keeps labels of ticks beyond the ends of an axis, and never draws them."""
-    low, high = sorted(axis.get_view_interval())
-    room = 1e-6 * (high - low)
-    ticks = axis.get_major_ticks() + axis.get_minor_ticks()
-    out = [t for t in ticks if not axis.axes.axison or not low - room <= t.get_loc() <= high + room]
-    return [label for tick in out for label in (tick.label1, tick.label2)]
-
-
-def assert_readable(figure):
-    """All texts lie inside the figure, and none on another."""
-    found = texts_of(figure)
-    assert len(found) > 5
-    for text, box in found:
-        assert box.x0 >= -1 and box.y0 >= -1, text
-        assert box.x1 <= figure.bbox.width + 1 and box.y1 <= figure.bbox.height + 1, text
-    for (text, a), (other, b) in itertools.combinations(found, 2):
-        apart = a.x1 <= b.x0 + 1 or b.x1 <= a.x0 + 1 or a.y1 <= b.y0 + 1 or b.y1 <= a.y0 + 1
-        assert apart, (text, other)
 
 
 def heights(ax):

@@ -3,52 +3,19 @@
 import itertools
 import re
 
-import nbformat
 import numpy as np
 import pytest
-from exercises import assert_accepts_the_solution_and_no_blank, assert_no_answer_breaks
+from exercises import checks_and_solutions
 from matplotlib.text import Annotation
 
 from npslam_teach import dead_reckoning, evaluation, plotting, se2, simulate, toy_objects
-from npslam_teach.cli.commands import ROOT
-from npslam_teach.course.drift import checks, figures, pictures
 from npslam_teach.course.drift import explorer as drift_explorer
+from npslam_teach.course.drift import figures, pictures
 from npslam_teach.plotting import uncertainty
 
 # --- exercises -------------------------------------------------------------------------------------------------------
 
-
-def solution(number):
-    """What the solutions notebook fills into exercise ``number``."""
-    notebook = nbformat.read(ROOT / "notebooks" / "solutions" / "02_solutions.ipynb", as_version=4)
-    names = {}
-    for cell in notebook.cells:
-        if cell.metadata.get("tags") in (["setup"], [f"exercise-{number}"]):
-            exec(cell.source, names)
-    return [value for name, value in names.items() if callable(value) and name not in ("checks",)][-1]
-
-
-CHECKS = {
-    1: checks.check_compose,
-    2: checks.check_between,
-    3: checks.check_dead_reckoning,
-    4: checks.check_to_world,
-    5: checks.check_sighting_covariance,
-}
-
-
-@pytest.mark.parametrize("number", CHECKS)
-def test_solutions_are_accepted_and_blanks_are_not(number):
-    assert_accepts_the_solution_and_no_blank(CHECKS[number], solution(number))
-
-
-@pytest.mark.parametrize("number", CHECKS)
-@pytest.mark.parametrize(
-    "answer",
-    ["text", {}, [], [[1], [1, 2]], np.nan, np.zeros((2, 2, 2)), [1, 2, 3, 4], object(), "1", np.full(3, np.inf), True],
-)
-def test_no_answer_breaks_a_check(number, answer):
-    assert_no_answer_breaks(CHECKS[number], answer)
+CHECKS, solution = checks_and_solutions("02_drift")
 
 
 def rotation(theta):

@@ -2,17 +2,15 @@
 
 import re
 
-import nbformat
 import numpy as np
 import pytest
-from exercises import assert_accepts_the_solution_and_no_blank, assert_no_answer_breaks
+from exercises import checks_and_solutions
 from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path as Outline
 from scipy.optimize import linear_sum_assignment
 from scipy.stats import chi2, norm
 
 from npslam_teach import evaluation, plotting, se2, simulate
-from npslam_teach.cli.commands import ROOT
 from npslam_teach.course.filtering import checks, figures, pictures
 from npslam_teach.course.filtering import explorer as filtering_explorer
 from npslam_teach.methods.ekf import new_filter, predict, squared_distances, squared_mahalanobis, with_new_object
@@ -22,39 +20,7 @@ WITHOUT_OBJ_4 = [0, 1, 2, -1, 1, -1, 3, 4]
 
 # --- exercises -------------------------------------------------------------------------------------------------------
 
-
-def solution(number):
-    """What the solutions notebook fills into exercise ``number``."""
-    notebook = nbformat.read(ROOT / "notebooks" / "solutions" / "09_solutions.ipynb", as_version=4)
-    names = {}
-    for cell in notebook.cells:
-        if cell.metadata.get("tags") in (["setup"], [f"exercise-{number}"]):
-            exec(cell.source, names)
-    return list(names.values())[-1]
-
-
-CHECKS = {
-    1: checks.check_kalman_gain,
-    2: checks.check_squared_mahalanobis,
-    3: checks.check_match_frame,
-    4: checks.check_add_object,
-    5: checks.check_nis_bounds,
-}
-
-
-@pytest.mark.parametrize("number", CHECKS)
-def test_solutions_are_accepted_and_blanks_are_not(number):
-    assert_accepts_the_solution_and_no_blank(CHECKS[number], solution(number))
-
-
-@pytest.mark.parametrize("number", CHECKS)
-@pytest.mark.parametrize(
-    "answer",
-    ["text", {}, [], [[1], [1, 2]], np.nan, np.zeros((2, 2, 2)), [1, 2, 3, 4], object(), "1", np.full(3, np.inf), True]
-    + [(1, 2), (np.zeros(5), ...), (..., ...), (None, None), ("a", "b"), [[1, 2], [3, 4]], -np.inf],
-)
-def test_no_answer_breaks_a_check(number, answer):
-    assert_no_answer_breaks(CHECKS[number], answer)
+CHECKS, solution = checks_and_solutions("09_filtering")
 
 
 def add(mean, cov, xy, std, lever=1.0, power=2, turned=True, cross=1.0, only_pose=False, moved=True):

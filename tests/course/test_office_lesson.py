@@ -3,15 +3,14 @@
 import itertools
 from pathlib import Path
 
-import nbformat
 import numpy as np
 import pytest
+from exercises import checks_and_solutions
 from matplotlib.legend import Legend
 from matplotlib.patches import Rectangle
 
 from npslam_teach import plotting
 from npslam_teach.camera import centroid_from_box, points_in_box
-from npslam_teach.course import checking
 from npslam_teach.course.office import checks as check
 from npslam_teach.course.office import explorer as widget
 from npslam_teach.course.office import pictures
@@ -23,13 +22,9 @@ from npslam_teach.simulate.office import OFFICE_CLASSES, office
 from npslam_teach.simulate.office_camera import rendered_frame_and_truth
 
 SOLUTIONS = Path(__file__).parents[2] / "notebooks" / "solutions" / "08_solutions.ipynb"
-EXERCISES = {
-    1: (check.check_pixel_to_point, "pixel_to_point"),
-    2: (check.check_foreground_centre, "foreground_centre"),
-    3: (check.check_valid_and_inliers, "valid_and_inliers"),
-    4: (check.check_position_variance, "position_variance"),
-    5: (check.check_floor_pose, "floor_pose"),
-}
+
+
+CHECKS, solution = checks_and_solutions("08_office")
 
 
 @pytest.fixture(scope="module")
@@ -44,33 +39,6 @@ def frame():
 
 
 # --- exercises
-
-
-def solution(number):
-    cells = nbformat.read(SOLUTIONS, as_version=4).cells
-    names = {"np": np}
-    source = [cell.source for cell in cells if f"exercise-{number}" in cell.metadata.get("tags", [])]
-    assert len(source) == 1
-    exec(source[0], names)
-    return names[EXERCISES[number][1]]
-
-
-@pytest.mark.parametrize("number", EXERCISES)
-def test_the_solution_is_accepted(number):
-    verdict = EXERCISES[number][0](solution(number))
-    assert verdict.passed, verdict
-
-
-@pytest.mark.parametrize("number", EXERCISES)
-@pytest.mark.parametrize("blank", [..., None, lambda *a: ...])
-def test_the_blank_is_recognised(number, blank):
-    assert EXERCISES[number][0](blank) == checking.wrong(checking.BLANK)
-
-
-@pytest.mark.parametrize("number", EXERCISES)
-@pytest.mark.parametrize("odd", [lambda *a: 1 / 0, lambda *a: "left", lambda *a: np.nan, lambda *a: [], lambda: 1, 3.0])
-def test_whatever_a_student_returns_becomes_a_verdict(number, odd):
-    assert not EXERCISES[number][0](odd).passed
 
 
 def ray_length(u, v, depth, camera):
@@ -128,7 +96,7 @@ WRONG = [
 
 @pytest.mark.parametrize(("number", "answer", "message"), WRONG)
 def test_the_check_names_the_mistake(number, answer, message):
-    verdict = EXERCISES[number][0](answer)
+    verdict = CHECKS[number](answer)
     assert not verdict.passed
     assert message in verdict.message
 

@@ -4,15 +4,13 @@ import itertools
 import math
 import re
 
-import nbformat
 import numpy as np
 import pytest
-from exercises import assert_accepts_the_solution_and_no_blank, assert_no_answer_breaks
+from exercises import checks_and_solutions
 from matplotlib.patches import Rectangle
 from partitions import partitions
 
 from npslam_teach import plotting, simulate
-from npslam_teach.cli.commands import ROOT
 from npslam_teach.course.why_association import checks, figures, pictures
 from npslam_teach.course.why_association import explorer as why_association_explorer
 from npslam_teach.evaluation import chi2_per_dof
@@ -21,35 +19,7 @@ from npslam_teach.pose_graph import chi2, fit
 
 # --- exercises -------------------------------------------------------------------------------------------------------
 
-
-def solution(number):
-    """What the solutions notebook fills into exercise ``number``."""
-    notebook = nbformat.read(ROOT / "notebooks" / "solutions" / "01_solutions.ipynb", as_version=4)
-    names = {}
-    for cell in notebook.cells:
-        if cell.metadata.get("tags") in (["setup"], [f"exercise-{number}"]):
-            exec(cell.source, names)
-    return [value for name, value in names.items() if callable(value)][-1]
-
-
-CHECKS = {1: checks.check_argmax, 2: checks.check_front_end, 3: checks.check_bell, 4: checks.check_alarm}
-
-
-@pytest.mark.parametrize("number", CHECKS)
-def test_solutions_are_accepted_and_blanks_are_not(number):
-    assert_accepts_the_solution_and_no_blank(CHECKS[number], solution(number))
-
-
-@pytest.mark.parametrize("number", CHECKS)
-@pytest.mark.parametrize(
-    "answer",
-    [
-        *("text", {}, [], [[1], [1, 2]], np.nan, np.zeros((2, 2, 2)), [1, 2, 3, 4], object(), "1", (1, 2), ([1], [2])),
-        *((..., ...), (None, [1]), np.full(5, np.inf), True, -1, ({}, [[1], [2, 3]])),
-    ],
-)
-def test_no_answer_breaks_a_check(number, answer):
-    assert_no_answer_breaks(CHECKS[number], answer)
+CHECKS, solution = checks_and_solutions("01_why_association")
 
 
 def nearest(xy, obs_class, reach):

@@ -1,4 +1,4 @@
-"""From a detector's box and a depth image to a sighting: where the centre of an object is, ahead and to the left.
+"""From a detector's box and a depth image to an observation: where the centre of an object is, ahead and to the left.
 
 The camera's frame has x to the right, y down and z forward, in metres; a pixel (u, v) counts columns and rows from the
 centre of the first one. The robot looks where its camera looks, so on the floor a point is ``(z, -x)``: ahead, left.

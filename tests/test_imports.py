@@ -118,16 +118,17 @@ def test_nobody_unpickles_or_evaluates():
 
 
 def test_modules_and_functions_keep_their_promise_of_size():
-    """About 250 lines a module, about 25 lines of body a function."""
+    """250 lines a module, 25 lines of body a function."""
+    longer = {"publishing.book_page.page": 30}  # one template of HTML
     for name, path in SOURCES.items():
         text = path.read_text(encoding="utf-8")
-        assert len(text.splitlines()) <= 275, name
+        assert len(text.splitlines()) <= 250, name
         for node in ast.walk(ast.parse(text)):
             if isinstance(node, ast.FunctionDef):
                 body = [entry for entry in node.body if not _is_docstring(entry)]
                 lines = body[-1].end_lineno - body[0].lineno + 1 if body else 0
-                most = 45 if name.endswith("checks") else 30  # a check may hold a table of typical mistakes
-                assert lines <= most, f"{name}.{node.name} has {lines} lines"
+                most = 40 if name.endswith("checks") else 25  # a check may hold a table of typical mistakes
+                assert lines <= longer.get(f"{name}.{node.name}", most), f"{name}.{node.name} has {lines} lines"
 
 
 def _is_docstring(node):

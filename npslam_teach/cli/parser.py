@@ -31,7 +31,6 @@ def main(arguments: list[str] | None = None) -> int:
     if extra and options.command not in ("test", "bench"):
         parser.error(f"unrecognized arguments: {' '.join(extra)}")
     options.extra = extra
-    from npslam_teach.cli import commands
 
     def say_warning(message, *details, **more) -> None:
         print(f"{parser.prog} {options.command}: warning: {' '.join(str(message).split())}", file=sys.stderr)
@@ -39,7 +38,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         with warnings.catch_warnings():
             warnings.showwarning = say_warning
-            code = getattr(commands, options.command)(options) or 0
+            code = _function_of(options.command)(options) or 0
         sys.stdout.flush()
         return code
     except BrokenPipeError:
@@ -53,6 +52,12 @@ def main(arguments: list[str] | None = None) -> int:
         return 130
 
 
+def _function_of(command: str):
+    from npslam_teach.cli import checkout, commands
+
+    return getattr(commands, command, None) or getattr(checkout, command)
+
+
 def _explain(program: str, command: str, error: Exception) -> int:
     sentence = " ".join(str(error).split())
     if isinstance(error, OSError) and error.filename is not None and error.strerror:
@@ -64,7 +69,7 @@ def _explain(program: str, command: str, error: Exception) -> int:
 
 
 def build_parser() -> argparse.ArgumentParser:
-    """The parser of all commands; each sets ``command`` to the name of its function in ``commands``."""
+    """The parser of all commands; each sets ``command`` to the name of its function in ``commands`` or ``checkout``."""
     parser = _Parser(prog="npslam_teach", description="Object SLAM with unknown data association, taught step by step.")
     parser.add_argument("--version", action="version", version=f"npslam_teach {__version__}")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=_Parser)

@@ -56,7 +56,7 @@ def _entropy(counts: np.ndarray) -> float:
 
 
 def copies_of(snapshot: Snapshot, truth: GroundTruth, at_least: int = 5) -> dict[int, list[int]]:
-    """The found objects that hold at least so many sightings of each true object that was seen."""
+    """The found objects that hold at least so many observations of each true object that was seen."""
     copies = {}
     for true_object in np.unique(truth.obs_object[truth.obs_object >= 0]):
         found = snapshot.labels[(truth.obs_object == true_object) & (snapshot.labels >= 0)]

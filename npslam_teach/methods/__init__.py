@@ -1,7 +1,7 @@
 """One file per method, all with the same signature: a ``RobotLog`` in, an iterator of ``Snapshot`` out.
 
 ``*_, last = method(log)`` gets the answer; ``list(method(log))`` feeds a slider; one loop over ``METHODS`` compares
-them all. Every method begins with the same snapshot 0: odometry believed, every observation an object of its own.
+them all. Every method begins with the same snapshot 0: dead reckoning, every observation an object of its own.
 Begin with ``np_graph``, the paper's; ``registry`` has a record of each; ``ekf`` is the filter under ``ekf_slam``.
 """
 

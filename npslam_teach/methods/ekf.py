@@ -3,7 +3,7 @@
 The state is ``[x, y, theta, l_1x, l_1y, l_2x, ...]`` in W and grows by two numbers with every new object. Its mean and
 covariance are kept by filterpy's ``ExtendedKalmanFilter``; here stand the models that filterpy is fed with.
 
-Of the path only the present pose is in the state: what the filter believed of the past it can no longer correct.
+Of the path only the present pose is in the state: an error of the past can no longer be corrected.
 """
 
 import numpy as np
@@ -55,13 +55,13 @@ def motion_jacobians(pose: np.ndarray, step: np.ndarray) -> tuple[np.ndarray, np
 
 
 def update(ekf, objects: np.ndarray, xy: np.ndarray, observation_std: np.ndarray) -> None:
-    """Let the sightings of one frame pull on the pose and on every object, all at once.
+    """Let the observations of one frame pull on the pose and on every object, all at once.
 
-    A sighting is in metres, so its innovation holds no angle. The heading in the state is one, and is wrapped.
+    An observation is in metres, so its innovation holds no angle. The heading in the state is one, and is wrapped.
 
     Args:
         ekf: the filter, changed in place; its ``y`` and ``S`` are then the innovation of the frame and its covariance.
-        objects: (m,) the object of each sighting.
+        objects: (m,) the object of each observation.
         xy: (m, 2) m, in the frame of the robot.
         observation_std: (2,) m.
     """
@@ -70,13 +70,13 @@ def update(ekf, objects: np.ndarray, xy: np.ndarray, observation_std: np.ndarray
     expected = se2.apply_inverse(ekf.x[POSE], landmarks_of(ekf.x)[objects]).ravel()
     ekf.update(xy.ravel(), lambda mean: jacobian, lambda mean: expected, R=noise)
     ekf.x[2] = se2.wrap(ekf.x[2])
-    ekf.P = (ekf.P + ekf.P.T) / 2  # rounding errors must not make it lopsided
+    ekf.P = (ekf.P + ekf.P.T) / 2  # rounding must not make it asymmetric
 
 
 def expected_observations(
     mean: np.ndarray, cov: np.ndarray, objects: np.ndarray, observation_std: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Where objects should appear to the robot, and how far from there the next sighting may well be.
+    """Where objects should appear to the robot, and how far from there the next observation may well be.
 
     Args:
         mean: (n,) of the filter.
@@ -121,7 +121,7 @@ def squared_mahalanobis(innovation: np.ndarray, innovation_cov: np.ndarray) -> n
 
 
 def squared_distances(mean: np.ndarray, cov: np.ndarray, xy: np.ndarray, observation_std: np.ndarray) -> np.ndarray:
-    """The squared Mahalanobis distance of every sighting to every object, classes not looked at: (m, K).
+    """The squared Mahalanobis distance of every observation to every object, classes not looked at: (m, K).
 
     Args:
         mean: (3 + 2K,) of the filter.
@@ -142,9 +142,9 @@ def with_new_object(ekf, xy: np.ndarray, observation_std: np.ndarray):
         xy: (2,) m, in the frame of the robot.
         observation_std: (2,) m.
     """
-    by_pose, by_sighting = (jacobian[:2] for jacobian in motion_jacobians(ekf.x[POSE], np.append(xy, 0.0)))
+    by_pose, by_observation = (jacobian[:2] for jacobian in motion_jacobians(ekf.x[POSE], np.append(xy, 0.0)))
     cross = by_pose @ ekf.P[POSE]  # (2, n): with the pose and all that is tied to it
-    noise = by_sighting[:, :2] @ np.diag(observation_std**2) @ by_sighting[:, :2].T
+    noise = by_observation[:, :2] @ np.diag(observation_std**2) @ by_observation[:, :2].T
     own = cross[:, POSE] @ by_pose.T + noise
     mean = np.append(ekf.x, se2.apply(ekf.x[POSE], xy))
     return _filter(mean, np.block([[ekf.P, cross.T], [cross, own]]))

@@ -1,8 +1,8 @@
-"""EKF-SLAM: decide for every frame which sighting is of which object, update, and never look back.
+"""EKF-SLAM: decide for every frame which observation is of which object, update, and never look back.
 
-The filter's own uncertainty is the yardstick: a sighting fits an object when the distance between where it is and where
-it was expected is small for the covariance of that difference (Mahalanobis distance, gates by chi-squared). Unlike the
-paper's method it is given the sensor's own noise; and unlike there, what has been decided is decided for good.
+An observation fits an object when the distance between where it is and where it was expected is small for the
+covariance of that difference (Mahalanobis distance, gates by chi-squared). Unlike the paper's method, the filter is
+given the sensor's own noise, and it never revises a decision.
 """
 
 import math
@@ -18,23 +18,23 @@ from npslam_teach.types import PoseGraph, RobotLog, Snapshot
 from npslam_teach.validation import checked_array
 
 GATE, NEW_GATE = 0.99, 0.999999  # shares of right matches that a consistent filter lets through
-UNASSIGNED, NEW = -1, -2  # what a sighting can be, besides one of a known object
+UNASSIGNED, NEW = -1, -2  # what an observation can be, besides one of a known object
 
 
 @dataclass(frozen=True, eq=False)
 class FilterStep:
-    """One frame: what the filter expected, what was decided, and what it believed then. K objects were known."""
+    """One frame: what the filter expected, what was decided, and its posterior. K objects were known."""
 
     time: int
-    sightings: np.ndarray  # (m,) indices into the log
-    prior_mean: np.ndarray  # (3 + 2K,) before the sightings
+    observations: np.ndarray  # (m,) indices into the log
+    prior_mean: np.ndarray  # (3 + 2K,) before the observations
     prior_cov: np.ndarray  # (3 + 2K, 3 + 2K)
     object_class: np.ndarray  # (K,) of the objects known before
     squared_distance: np.ndarray  # (m, K) Mahalanobis, squared; infinite where the class rules it out
     decision: np.ndarray  # (m,) the object, UNASSIGNED or NEW
     labels: np.ndarray  # (m,) the same with the new objects numbered
     nis: float  # y^T S^-1 y of all matches together; NaN without any
-    mean: np.ndarray  # (n,) after the sightings, new objects included
+    mean: np.ndarray  # (n,) after the observations, new objects included
     cov: np.ndarray  # (n, n)
 
 
@@ -42,7 +42,7 @@ class FilterStep:
 class FilterRecord:
     """A whole run of the filter."""
 
-    poses: np.ndarray  # (T, 3) W, each as it was believed at its own time, and never corrected after
+    poses: np.ndarray  # (T, 3) W, each as it was filtered at its own time, and never corrected after
     pose_cov: np.ndarray  # (T, 3, 3)
     labels: np.ndarray  # (M,) the object, -1 = left out
     landmarks: np.ndarray  # (K, 2) m, W, at the end
@@ -58,20 +58,20 @@ def ekf_slam(
     """Filter the log once, from the first frame to the last.
 
     Every frame is matched with the objects known so far. A pair must be of one class and within the gate, and no two
-    sightings share an object; the sum of squared Mahalanobis distances is least, where a sighting without an object
-    costs as much as one at the gate. A sighting outside the second gate of every object of its class founds a new
-    object. One in between is left out: either answer would be a guess, and a guess cannot be taken back.
+    observations share an object; the sum of squared Mahalanobis distances is least, where an observation without an
+    object costs as much as one at the gate. An observation outside the second gate of every object of its class becomes
+    a new object. One in between is left out: either answer would be a guess, and a guess cannot be taken back.
 
     Args:
         log: what the robot measured.
         gate: the share of right matches that passes the gate (chi-squared, 2 degrees of freedom).
         new_gate: the same for the second gate; not below ``gate``.
         odometry_std: (3,) m, m, rad: what the filter assumes per step; None: what the log says.
-        observation_std: (2,) m: what it assumes per sighting; None: what the log says.
+        observation_std: (2,) m: what it assumes per observation; None: what the log says.
 
     Yields:
         the frame-by-frame start, and the result: every pose as it was filtered at its own time, the objects as they are
-        at the end. Sightings that were left out have label -1. Its chi2 is large, because such a path jumps wherever
+        at the end. Observations that were left out have label -1. Its chi2 is large, because such a path jumps wherever
         the filter corrected itself; ``pose_graph.fit`` with its labels smooths it.
     """
     odometry_std, observation_std = _noise(log, odometry_std, observation_std)
@@ -83,7 +83,7 @@ def ekf_slam(
 
 
 def run_filter(log: RobotLog, gate: float = GATE, new_gate: float = NEW_GATE, **settings) -> FilterRecord:
-    """Run the filter over a whole log, and keep what it believed of every pose.
+    """Run the filter over a whole log, and keep its posterior of every pose.
 
     Args: as in ``filter_steps``.
     """
@@ -92,8 +92,8 @@ def run_filter(log: RobotLog, gate: float = GATE, new_gate: float = NEW_GATE, **
     nis, nis_dof = np.full(log.num_poses, np.nan), np.zeros(log.num_poses, dtype=int)
     for step in filter_steps(log, gate, new_gate, **settings):
         t, matched = step.time, np.flatnonzero(step.decision >= 0)
-        labels[step.sightings] = step.labels
-        distance[step.sightings[matched]] = step.squared_distance[matched, step.decision[matched]]
+        labels[step.observations] = step.labels
+        distance[step.observations[matched]] = step.squared_distance[matched, step.decision[matched]]
         poses[t], pose_cov[t] = step.mean[:3], step.cov[:3, :3]
         nis[t], nis_dof[t] = step.nis, 2 * len(matched)
     of_object = 3 + np.arange(len(step.mean) - 3).reshape(-1, 2)
@@ -118,52 +118,53 @@ def filter_steps(
         new_gate: the second gate.
         odometry_std: (3,) m, m, rad.
         observation_std: (2,) m.
-        labels: (M,) who is who, told instead of decided by gates and classes; -1 leaves a sighting out. No object may
-            appear twice in one frame. The filter numbers objects in the order in which it first sees them.
+        labels: (M,) the object of each observation, given instead of decided by gates and classes; -1 leaves one
+            out. No object may appear twice in one frame. The filter numbers objects in the order in which it first
+            sees them.
 
     Yields:
         one step for every pose.
     """
     odometry_std, observation_std = _noise(log, odometry_std, observation_std)
     bounds, frames = squared_gates(gate, new_gate), _frames(log)
-    told = None if labels is None else _in_order_of_sight(labels, frames)
+    known_labels = None if labels is None else _in_order_of_sight(labels, frames)
     ekf, object_class = new_filter(), np.zeros(0, dtype=int)
-    for time, sightings in enumerate(frames):
+    for time, observations in enumerate(frames):
         if time > 0:
             predict(ekf, log.odometry[time - 1], odometry_std)
-        prior, seen_class = (ekf.x.copy(), ekf.P.copy()), log.obs_class[sightings]
-        distance = squared_distances(*prior, log.obs_xy[sightings], observation_std)
-        if told is None:
+        prior, seen_class = (ekf.x.copy(), ekf.P.copy()), log.obs_class[observations]
+        distance = squared_distances(*prior, log.obs_xy[observations], observation_std)
+        if known_labels is None:
             distance[seen_class[:, None] != object_class] = np.inf
             decision = assign(distance, *bounds)
         else:
-            decision = np.where(told[sightings] < len(object_class), told[sightings], NEW)
-        founded = decision == NEW
-        found = np.where(founded, len(object_class) + np.cumsum(founded) - 1, decision)
-        ekf, nis = _absorb(ekf, decision, log.obs_xy[sightings], observation_std)
-        believed = ekf.x.copy(), ekf.P.copy()
-        yield FilterStep(time, sightings, *prior, object_class, distance, decision, found, nis, *believed)
-        object_class = np.append(object_class, seen_class[founded])
+            decision = np.where(known_labels[observations] < len(object_class), known_labels[observations], NEW)
+        is_new = decision == NEW
+        numbered = np.where(is_new, len(object_class) + np.cumsum(is_new) - 1, decision)
+        ekf, nis = _absorb(ekf, decision, log.obs_xy[observations], observation_std)
+        posterior = ekf.x.copy(), ekf.P.copy()
+        yield FilterStep(time, observations, *prior, object_class, distance, decision, numbered, nis, *posterior)
+        object_class = np.append(object_class, seen_class[is_new])
 
 
 def assign(squared_distance: np.ndarray, gate: float, new_gate: float) -> np.ndarray:
-    """Match the sightings of a frame with the objects, one to one.
+    """Match the observations of a frame with the objects, one to one.
 
     Args:
         squared_distance: (m, K), infinite where a match is out of the question.
         gate: as a squared distance; nothing at or beyond it is matched.
-        new_gate: as a squared distance; a sighting beyond it from every object is new.
+        new_gate: as a squared distance; an observation beyond it from every object is new.
 
     Returns:
         (m,) the object, UNASSIGNED or NEW.
     """
     from scipy.optimize import linear_sum_assignment
 
-    num_sightings, num_objects = squared_distance.shape
-    # To match nothing costs as much as a match at the gate: a column of its own for every sighting.
-    cost = np.hstack([np.minimum(squared_distance, 2 * gate), np.full((num_sightings, num_sightings), gate)])
+    num_observations, num_objects = squared_distance.shape
+    # To match nothing costs as much as a match at the gate: a column of its own for every observation.
+    cost = np.hstack([np.minimum(squared_distance, 2 * gate), np.full((num_observations, num_observations), gate)])
     chosen = linear_sum_assignment(cost)[1]
-    inside = cost[np.arange(num_sightings), chosen] < gate
+    inside = cost[np.arange(num_observations), chosen] < gate
     far = (squared_distance > new_gate).all(axis=1)
     return np.where(inside, chosen, np.where(far, NEW, UNASSIGNED))
 
@@ -203,7 +204,7 @@ def _noise(log: RobotLog, odometry_std, observation_std) -> tuple[np.ndarray, np
 
 
 def _frames(log: RobotLog) -> list[np.ndarray]:
-    """The sightings of every pose, in the order of the log."""
+    """The observations of every pose, in the order of the log."""
     in_time = np.argsort(log.obs_time, kind="stable")
     return np.split(in_time, np.searchsorted(log.obs_time[in_time], np.arange(1, log.num_poses)))
 
@@ -212,8 +213,8 @@ def _in_order_of_sight(labels: np.ndarray, frames: list[np.ndarray]) -> np.ndarr
     """The same partition (M,), its objects numbered as a filter meets them; -1 stays."""
     in_time = np.concatenate(frames)
     labels = checked_array("labels", labels, (len(in_time),), int)
-    for time, sightings in enumerate(frames):
-        used = labels[sightings][labels[sightings] >= 0]
+    for time, observations in enumerate(frames):
+        used = labels[observations][labels[observations] >= 0]
         if len(np.unique(used)) < len(used):
             raise ValueError(f"labels: expected every object at most once in a frame, got one twice at pose {time}")
     names, first = np.unique(labels[in_time], return_index=True)

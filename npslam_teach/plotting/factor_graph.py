@@ -43,7 +43,7 @@ def observation_segments(graph: PoseGraph) -> np.ndarray:
 
 
 def residual_segments(graph: PoseGraph) -> np.ndarray:
-    """The residuals of the observations, (M, 2, 2) m, W: from where a sighting lands to its object."""
+    """The residuals of the observations, (M, 2, 2) m, W: from where an observation lands to its object."""
     observations = graph.observations
     landed = se2.apply(graph.poses[observations.pose], observations.xy)
     return np.stack([landed, graph.landmarks[observations.landmark]], axis=1)
@@ -52,7 +52,7 @@ def residual_segments(graph: PoseGraph) -> np.ndarray:
 def plot_factor_graph(
     ax: Axes, graph: PoseGraph, object_class=None, class_names=("object",), title: str | None = None
 ) -> Axes:
-    """Poses, objects, a line for every factor, and a thick one wherever a sighting misses its object (deck figure 12).
+    """Poses, objects, a line for every factor, and a thick one for every residual (deck figure 12).
 
     Args:
         ax: a map.

@@ -219,7 +219,7 @@ def plot_observation_rays(ax: Axes, poses: np.ndarray, log: RobotLog) -> Axes:
     Args:
         ax: a map.
         poses: (T, 3) m, m, rad, W.
-        log: the sightings.
+        log: the observations.
     """
     seen_from = poses[log.obs_time, :2]
     seen_at = se2.apply(poses[log.obs_time], log.obs_xy)

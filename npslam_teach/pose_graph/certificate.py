@@ -134,8 +134,6 @@ def _smallest_eigenvalue(quadratic, multipliers: np.ndarray, tolerance: float) -
     eigenvalue is below -shift. So a small shift is tried at first; when that fails, shifts are raised until one
     succeeds. From there Lanczos iterations find the smallest eigenvalue, and a shift by a little more verifies it.
     """
-    from scipy.sparse.linalg import LinearOperator, eigsh
-
     size, num_headings = quadratic.shape[0], len(multipliers)
     diagonal = np.zeros(size)
 
@@ -149,17 +147,23 @@ def _smallest_eigenvalue(quadratic, multipliers: np.ndarray, tolerance: float) -
     while not (factors := factorize(shift)):
         shift *= 10
 
-    def solve(heading):
-        return factors.solve(np.append(heading, np.zeros(size - num_headings)))[:num_headings]
-
-    operator = LinearOperator((num_headings,) * 2, matvec=solve, dtype=complex)
-    start = np.random.default_rng(0).normal(size=num_headings).astype(complex)
-    largest = eigsh(operator, 1, which="LA", return_eigenvectors=False, v0=start, tol=1e-6)[0].real
-    guess = shift - 1 / largest
+    guess = shift - 1 / _largest_eigenvalue_of_inverse(factors, num_headings)
     for more in (1e-5, 1e-3, 0.1):
         if factorize(guess * (1 + more)):
             return -guess * (1 + more)
     return -shift
+
+
+def _largest_eigenvalue_of_inverse(factors, num_headings: int) -> float:
+    """Of the inverse's block of the headings, by Lanczos iterations."""
+    from scipy.sparse.linalg import LinearOperator, eigsh
+
+    def solve(headings):
+        return factors.solve(np.append(headings, np.zeros(factors.shape[0] - num_headings)))[:num_headings]
+
+    operator = LinearOperator((num_headings,) * 2, matvec=solve, dtype=complex)
+    start = np.random.default_rng(0).normal(size=num_headings).astype(complex)
+    return float(eigsh(operator, 1, which="LA", return_eigenvectors=False, v0=start, tol=1e-6)[0].real)
 
 
 def _diagonal(values: np.ndarray):

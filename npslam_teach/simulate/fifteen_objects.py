@@ -28,7 +28,7 @@ def fifteen_objects(seed: int = 2016, noise: float = 1.0) -> tuple[RobotLog, Gro
 
 
 def num_visits(world: World, path: np.ndarray, sensor: SensorModel, gap: int = 20) -> np.ndarray:
-    """How often the path passes each object: (K,) sightings at poses more than ``gap`` apart are two visits."""
+    """How often the path passes each object: (K,) observations at poses more than ``gap`` apart are two visits."""
     time, obj, _ = visible_objects(world, path, sensor)
     times = [time[obj == k] for k in range(len(world.object_xy))]
     return np.array([np.count_nonzero(np.diff(t) > gap) + (len(t) > 0) for t in times])

@@ -17,7 +17,7 @@ def grid_of_rooms(num_rooms: int, seed: int = 0, noise: float = 0.0) -> tuple[Ro
 
     Rooms lie on a square grid and are visited row by row, there and back. In each the robot drives the designed path
     of ``fifteen_objects``; on its way to the next it crosses that room, and it sees a little into the row beside it.
-    The detector misses some sightings, so that their number per room is that of the paper, about 1100.
+    The detector misses some observations, so that their number per room is that of the paper, about 1100.
 
     Args:
         num_rooms: 1 is about the size of the paper's run, 100 is 76,600 poses and 1,500 objects.

@@ -33,7 +33,7 @@ class Drawing:
     room: np.ndarray  # (4,) m, W: left, bottom, right, top
     object_goal: np.ndarray | None = None  # (K, 2) m, W: where each is when the robot arrives; None: nothing moves
     noise: float = 1.0  # 1 is the paper's, see paper_sensor
-    clutter_rate: float = 0.0  # false sightings per pose
+    clutter_rate: float = 0.0  # false observations per pose
     seed: int = 1
 
     def __post_init__(self):
@@ -90,7 +90,7 @@ def drawn_run(drawing: Drawing) -> tuple[RobotLog, GroundTruth]:
         it stood at first: the format knows no other.
 
     Raises:
-        ValueError: there are more sightings than can be worked through while somebody waits.
+        ValueError: there are more observations than can be worked through while somebody waits.
     """
     world = World(drawing.object_xy, drawing.object_class, drawing.class_names)
     path, sensor = drawn_path(drawing.stroke), drawn_sensor(drawing)
@@ -104,7 +104,7 @@ def drawn_run(drawing: Drawing) -> tuple[RobotLog, GroundTruth]:
 
 
 def drawn_sensor(drawing: Drawing) -> SensorModel:
-    """The paper's sensors, with the noise and the false sightings of the drawing."""
+    """The paper's sensors, with the noise and the false observations of the drawing."""
     return replace(paper_sensor(drawing.noise), clutter_rate=float(drawing.clutter_rate))
 
 

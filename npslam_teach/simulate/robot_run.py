@@ -15,7 +15,7 @@ FILE_OBSERVATION_STD = np.array([0.1, 0.1])  # m
 ADDED_ODOMETRY_STD = np.array([0.02, 0.02, 0.01])  # m, m, rad per step
 ADDED_OBSERVATION_STD = np.array([0.1, 0.1])  # m
 
-STRETCH = 1000  # poses whose sightings are looked for together
+STRETCH = 1000  # poses whose observations are looked for together
 
 
 def paper_sensor(noise: float = 1.0) -> SensorModel:
@@ -80,12 +80,8 @@ def simulate_run(
     Returns:
         what the estimator may see, and the truth, which holds the world as given whether anything moved or not.
     """
-    path = checked_array("path", path, (None, 3))
-    if len(path) == 0:
-        raise ValueError("path: expected at least one pose, got none")
-    num_classes = len(world.class_names)
-    if sensor.class_confusion is not None and len(sensor.class_confusion) != num_classes:
-        raise ValueError(f"class_confusion: expected {num_classes} rows, got {len(sensor.class_confusion)}")
+    path, num_classes = _checked_path(path), len(world.class_names)
+    _require_confusion(sensor.class_confusion, num_classes)
     odometry = se2.between(path[:-1], path[1:])
     odometry = odometry + rng.normal(size=odometry.shape) * sensor.odometry_std
 
@@ -112,6 +108,18 @@ def simulate_run(
     return log, GroundTruth(world, path, obs_object)
 
 
+def _require_confusion(class_confusion: np.ndarray | None, num_classes: int) -> None:
+    if class_confusion is not None and len(class_confusion) != num_classes:
+        raise ValueError(f"class_confusion: expected {num_classes} rows, got {len(class_confusion)}")
+
+
+def _checked_path(path) -> np.ndarray:
+    path = checked_array("path", path, (None, 3))
+    if len(path) == 0:
+        raise ValueError("path: expected at least one pose, got none")
+    return path
+
+
 def visible_objects(
     world: World, path: np.ndarray, sensor: SensorModel, object_paths: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -120,7 +128,7 @@ def visible_objects(
     Returns:
         (V,) pose index, in increasing order; (V,) object index; (V, 2) m, the object in the frame of the pose.
     """
-    shape, sightings = (len(path), *world.object_xy.shape), []
+    shape, observations = (len(path), *world.object_xy.shape), []
     if object_paths is None:
         object_xy = np.broadcast_to(world.object_xy, shape)
     else:
@@ -134,8 +142,8 @@ def visible_objects(
         in_range = np.linalg.norm(xy, axis=-1) < sensor.max_range
         in_view = np.abs(np.arctan2(xy[..., 1], xy[..., 0])) < sensor.field_of_view / 2
         time, obj = np.nonzero(in_range & in_view)
-        sightings.append((begin + time, near[obj], xy[time, obj]))
-    return tuple(np.concatenate(parts) for parts in zip(*sightings, strict=True))
+        observations.append((begin + time, near[obj], xy[time, obj]))
+    return tuple(np.concatenate(parts) for parts in zip(*observations, strict=True))
 
 
 def carried(object_xy: np.ndarray, goal_xy: np.ndarray, num_poses: int) -> np.ndarray:

@@ -13,13 +13,11 @@ import hashlib
 import os
 import subprocess
 import sys
-import time
-from collections.abc import Iterator
 from pathlib import Path
 
 from npslam_teach.system.interruption import critical_section
+from npslam_teach.system.locking import PACKAGE, hold_lock, say
 
-PACKAGE = "npslam_teach"
 OLDEST_PYTHON = (3, 11)
 REPAIR = "on Debian or Ubuntu run `sudo apt install python3-venv`, elsewhere reinstall Python, and try again."
 STANDARD_ERROR = 2  # the descriptor, not sys.stderr: only a descriptor can be handed to another process
@@ -90,10 +88,10 @@ def enter_environment(arguments: "list[str]", root: "Path | None" = None) -> Non
         check_python(sys.version_info[:3])
         python = find_interpreter(Environment(root or Path(__file__).absolute().parent.parent.parent))
     except SetupError as error:
-        _say(str(error))
+        say(str(error))
         raise SystemExit(2) from None
     except KeyboardInterrupt:
-        _say("interrupted; a set-up that was under way is done again by the next call.")
+        say("interrupted; a set-up that was under way is done again by the next call.")
         raise SystemExit(130) from None
     if python is not None:
         start_over(python, arguments)
@@ -154,9 +152,9 @@ def set_up(environment: Environment) -> None:
             with contextlib.suppress(FileNotFoundError):
                 environment.stamp.unlink()
             if intact:
-                _say("environment.txt has changed: updating .venv.")
+                say("environment.txt has changed: updating .venv.")
             else:
-                _say("setting up .venv for this course, which takes about a minute.")
+                say("setting up .venv for this course, which takes about a minute.")
                 create(environment, lock)
             install(environment, lock)
             write_stamp(environment, digest)
@@ -212,32 +210,6 @@ def write_stamp(environment: Environment, digest: str) -> None:
     os.replace(str(temporary), str(environment.stamp))
 
 
-@contextlib.contextmanager
-def hold_lock(path: Path) -> "Iterator[int]":
-    """Hold a lock that ends with the last process that holds it; yield the descriptor of its file."""
-    with path.open("a") as file:
-        if not _try_lock(file.fileno()):
-            _say("another set-up is running in this folder; waiting for it.")
-            while not _try_lock(file.fileno()):
-                time.sleep(0.2)
-        yield file.fileno()
-
-
-def _try_lock(descriptor: int) -> bool:
-    try:
-        if os.name == "nt":
-            import msvcrt
-
-            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
-        else:
-            import fcntl
-
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except (BlockingIOError, PermissionError):  # how POSIX and Windows say "taken"
-        return False
-    return True
-
-
 def start_over(python: Path, arguments: "list[str]") -> None:
     """Run the course's command on another interpreter in place of this process."""
     replace_process([str(python), "-m", PACKAGE, *arguments])
@@ -258,8 +230,3 @@ def _show_to_children(root: Path) -> None:
     """Let kernels and workers, which start in other folders, import the package that nobody installed."""
     paths = os.environ.get("PYTHONPATH", "").split(os.pathsep)
     os.environ["PYTHONPATH"] = os.pathsep.join([str(root)] + [p for p in paths if p not in ("", str(root))])
-
-
-def _say(sentence: str) -> None:
-    sys.stderr.write(f"{PACKAGE}: {sentence}\n")
-    sys.stderr.flush()

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from npslam_teach import datasets, pose_graph, simulate
-from npslam_teach.cli import commands, parser
+from npslam_teach.cli import checkout, commands, parser
 from npslam_teach.methods import METHODS
 
 ROOT = Path(__file__).parents[2]
@@ -526,7 +526,7 @@ def test_solve_as_a_process_of_its_own(tmp_path):
 
 def test_lab_listens_on_the_loopback_address_and_keeps_the_token(monkeypatch):
     started = []
-    monkeypatch.setattr(commands, "_run_module", lambda arguments: started.append(arguments) or 0)
+    monkeypatch.setattr(checkout, "_run_module", lambda arguments: started.append(arguments) or 0)
     assert parser.main(["lab", "--port", "9999", "--no-browser"]) == 0
     (arguments,) = started
     assert arguments[0] == "jupyterlab"
@@ -591,7 +591,7 @@ def test_lab_serves_the_course_to_whoever_has_the_token(running_lab):
 
 def test_test_hands_its_arguments_to_pytest(monkeypatch):
     started = []
-    monkeypatch.setattr(commands, "_run_module", lambda arguments: started.append(arguments) or 5)
+    monkeypatch.setattr(checkout, "_run_module", lambda arguments: started.append(arguments) or 5)
     assert parser.main(["test", "tests/test_se2.py", "-k", "wrap"]) == 5
     assert started[0][0] == "pytest"
     assert started[0][-3:] == ["tests/test_se2.py", "-k", "wrap"]
@@ -603,7 +603,7 @@ def test_test_hands_its_arguments_to_pytest(monkeypatch):
 @pytest.mark.slow
 def test_a_quick_test_is_of_the_mathematics_the_files_and_the_command_line(monkeypatch):
     started = []
-    monkeypatch.setattr(commands, "_run_module", lambda arguments: started.append(arguments) or 0)
+    monkeypatch.setattr(checkout, "_run_module", lambda arguments: started.append(arguments) or 0)
     assert parser.main(["test", "--quick"]) == 0
     command = [sys.executable, "-m", *started[0], "--collect-only", "-q", "-p", "no:xdist"]
     command = [word for word in command if word not in ("-n", "--dist", "loadscope") and not word.isdigit()]

@@ -318,7 +318,7 @@ def test_the_explorer_works_on_a_large_scene():
     explorer = filtering_explorer.explore_gate(log, 113, truth.world.class_names)
     step = list(filter_steps(log))[113]
     names = pictures.object_names(step.object_class, truth.world.class_names)
-    for k, label in zip(step.sightings, step.decision, strict=True):
+    for k, label in zip(step.observations, step.decision, strict=True):
         assert re.search(rf"Obj_{k + 1}: [^;]*; {names[label]}\.", explorer.words)
 
 

@@ -327,7 +327,7 @@ def test_steps_keep_what_was_believed_then(toy):
     steps = list(filter_steps(toy[0]))
     for step in steps:
         assert len(step.prior_mean) == 3 + 2 * len(step.object_class)
-        assert step.squared_distance.shape == (len(step.sightings), len(step.object_class))
+        assert step.squared_distance.shape == (len(step.observations), len(step.object_class))
     np.testing.assert_allclose(steps[4].prior_mean[:3], se2.compose(steps[3].mean[:3], toy[0].odometry[3]))
     np.testing.assert_array_equal(steps[4].prior_mean[3:], steps[3].mean[3:])
 

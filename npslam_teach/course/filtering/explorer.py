@@ -50,7 +50,7 @@ def in_words(picture: pictures.GateMap, answers: list[str], gate: float, second_
     parts = [
         f"Gates at {gate:.1f} and {second_gate:.1f} standard deviations; {share:.1f} % of right matches pass the first."
     ]
-    for k, squared, words in zip(picture.step.sightings, picture.squared_distance, answers, strict=True):
+    for k, squared, words in zip(picture.step.observations, picture.squared_distance, answers, strict=True):
         order = [j for j in np.argsort(squared, kind="stable")[:nearest] if np.isfinite(squared[j])]
         far = ", ".join(f"{picture.names[j]} at {np.sqrt(squared[j]):.2f}" for j in order) or "no object of its class"
         parts.append(f"Obj_{k + 1}: {far}; {words}.")

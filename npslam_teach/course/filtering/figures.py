@@ -21,7 +21,7 @@ def two_answers_figure():
     world = truth.world
     figure, (left, right) = plotting.new_figure(1, 2, (12.0, 5.4), sharex=True, sharey=True)
     before = next(step for step in filter_steps(log, labels=RIGHT) if step.time == POSE)
-    only_obj_5 = replace(before, sightings=before.sightings[:1], squared_distance=before.squared_distance[:1])
+    only_obj_5 = replace(before, observations=before.observations[:1], squared_distance=before.squared_distance[:1])
     gate = squared_gates(0.99, 0.99)[0] ** 0.5
     picture = pictures.GateMap(left, only_obj_5, log, world.class_names)
     picture.frame(gate)

@@ -77,11 +77,11 @@ class GateMap:
         """
         self.ax, self.step, self.log = ax, step, log
         self.names = object_names(step.object_class, class_names)
-        seen_class = log.obs_class[step.sightings]
+        seen_class = log.obs_class[step.observations]
         # When a filter is told who is who, its distances do not look at classes; gates do.
         rivals = seen_class[:, None] == step.object_class
         self.squared_distance = np.where(rivals, step.squared_distance, np.inf)
-        self.seen_at = se2.apply(step.prior_mean[:3], log.obs_xy[step.sightings])
+        self.seen_at = se2.apply(step.prior_mean[:3], log.obs_xy[step.observations])
         self.gates = [{j: self._outline(j, dashes) for j in np.flatnonzero(rivals.any(axis=0))} for dashes in "-:"]
         landmarks = landmarks_of(step.prior_mean)
         plot_objects(ax, landmarks, step.object_class, class_names, sizes=110)
@@ -110,7 +110,7 @@ class GateMap:
         decision, words = assign(self.squared_distance, gate**2, second_gate**2), []
         for k, chosen in enumerate(decision.tolist()):
             words.append({UNASSIGNED: "left out", NEW: "new"}.get(chosen) or self.names[chosen])
-            self.answers[k].set_text(f"Obj_{self.step.sightings[k] + 1}: {words[k]}")
+            self.answers[k].set_text(f"Obj_{self.step.observations[k] + 1}: {words[k]}")
             end = landmarks_of(self.step.prior_mean)[chosen] if chosen >= 0 else self.seen_at[k]
             self.ties[k].set_data(*np.stack([self.seen_at[k], end]).T)
         return words

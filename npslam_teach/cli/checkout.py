@@ -1,0 +1,123 @@
+"""Commands that need the course itself, a copy of the repository: its notebooks, tests and what is made of them."""
+
+import os
+import sys
+from pathlib import Path
+
+from npslam_teach.system.environment import replace_process
+
+ROOT = Path(__file__).absolute().parent.parent.parent
+# Of the tests: the mathematics, the files and the command line.
+QUICK_FOLDERS = "pose_graph association methods evaluation simulate datasets experiments cli".split()
+
+
+def lab(options) -> int:
+    """Open JupyterLab on the first notebook: on the loopback address, with Jupyter's own token."""
+    first = "notebooks/00_start_here.ipynb"
+    _require_checkout(ROOT / first)
+    # The root is the whole course: lessons show pictures from the folder beside theirs.
+    arguments = ["jupyterlab", "--ServerApp.ip=127.0.0.1", f"--ServerApp.root_dir={ROOT}"]
+    arguments += [f"--LabApp.default_url=/lab/tree/{first}"]
+    if options.port is not None:
+        arguments += [f"--ServerApp.port={options.port}", "--ServerApp.port_retries=0"]
+    if options.no_browser:
+        arguments += ["--no-browser"]
+    if hasattr(os, "geteuid") and os.geteuid() == 0:
+        # In a container everybody is root, and Jupyter would refuse; it still listens on this machine only.
+        arguments += ["--allow-root"]
+    return _run_module(arguments)
+
+
+def test(options) -> int:
+    """Run pytest on the library's tests and, with nbval, on every notebook; with ``--quick`` on the core alone."""
+    _require_checkout(ROOT / "tests")
+    if options.quick:
+        how = ["-m", "not slow and not browser"]
+        what = [f"tests/{folder}" for folder in QUICK_FOLDERS]
+        what += sorted(path.relative_to(ROOT).as_posix() for path in ROOT.glob("tests/test_*.py"))
+    else:
+        sanitize = f"--nbval-sanitize-with={ROOT / 'tests' / 'nbval_sanitize.cfg'}"
+        how = ["--nbval", "--nbval-current-env", "--nbval-cell-timeout=120", sanitize]
+        what = ["tests", "notebooks"]
+    if any((ROOT / word.split("::")[0]).exists() for word in options.extra):
+        what = []  # the further arguments say it
+    workers = ["-n", str(min(os.cpu_count() or 1, 8)), "--dist", "loadscope"]
+    return _run_module(["pytest", *workers, *how, *what, *options.extra])
+
+
+def bench(options) -> int:
+    """Measure ours beside other solvers, those that are installed."""
+    program = ROOT / "tests" / "benchmarks" / "run.py"
+    _require_checkout(program)
+    return _run_python([str(program), *options.extra])
+
+
+def site(options) -> int:
+    """Build the course as a JupyterLite site."""
+    from npslam_teach.publishing import jupyterlite, lessons
+
+    _require_checkout(ROOT / "notebooks")
+    pyodide = None if options.pyodide is None else Path(options.pyodide)
+    folder = jupyterlite.build_site(ROOT, Path(options.out), pyodide)
+    print(f"site: {folder}\nfirst page, on its web server: lab/index.html?path=notebooks/{lessons.FIRST}")
+    return 0
+
+
+def book(options) -> int:
+    """Write all lessons as one HTML file, or print that to PDF."""
+    from npslam_teach.publishing import book as making
+
+    _require_checkout(ROOT / "notebooks")
+    making.write_book(ROOT / "notebooks", Path(options.out), options.browser)
+    print(f"book: {options.out}")
+    return 0
+
+
+def badges(options) -> int:
+    """Bring the beginning of every lesson up to date with the address in pyproject.toml."""
+    from npslam_teach.publishing import colab as writing
+
+    _require_checkout(ROOT / "notebooks")
+    changed = writing.write_badges(ROOT)
+    address = writing.repository(ROOT / "pyproject.toml") or "nowhere: pyproject.toml names no Repository"
+    print(f"badges: {len(changed)} lessons changed; the course is at {address}")
+
+
+def assignment(options) -> int:
+    """Write the student's copy of some lessons and the source that nbgrader grades."""
+    from npslam_teach.publishing import assignments as making
+
+    _require_checkout(ROOT / "notebooks")
+    lessons = list(dict.fromkeys(options.lessons))
+    for path in making.write_assignments(ROOT / "notebooks", lessons, folder_named(options.out), options.student):
+        print(path)
+    return 0
+
+
+def folder_named(name: str | None) -> Path | None:
+    """The folder to draw into; it is made only when there is something to draw."""
+    if name is None:
+        return None
+    if not name.strip() or (Path(name).exists() and not Path(name).is_dir()):
+        raise ValueError(f"expected the name of a folder to draw into, got {name!r}")
+    return Path(name)
+
+
+def _require_checkout(path: Path) -> None:
+    if not path.exists():
+        raise FileNotFoundError(
+            f"{path}: expected the course's folder; this command works from a copy of the repository"
+        )
+
+
+def _run_module(arguments: list[str]) -> int:
+    """Run ``python -m`` on this interpreter, in the course's folder, in place of this process."""
+    os.chdir(ROOT)
+    return _run_python(["-m", *arguments])
+
+
+def _run_python(arguments: list[str]) -> int:
+    """Run this interpreter in place of this process."""
+    # Kernels and workers start in folders of their own and must find the package from there.
+    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
+    return replace_process([sys.executable, *arguments])

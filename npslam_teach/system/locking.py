@@ -1,0 +1,42 @@
+"""A lock that ends with the last process that holds it. This file parses on Python 3.6, as ``environment`` does."""
+
+import contextlib
+import os
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+PACKAGE = "npslam_teach"
+
+
+@contextlib.contextmanager
+def hold_lock(path: Path) -> "Iterator[int]":
+    """Hold a lock that ends with the last process that holds it; yield the descriptor of its file."""
+    with path.open("a") as file:
+        if not _try_lock(file.fileno()):
+            say("another set-up is running in this folder; waiting for it.")
+            while not _try_lock(file.fileno()):
+                time.sleep(0.2)
+        yield file.fileno()
+
+
+def _try_lock(descriptor: int) -> bool:
+    try:
+        if os.name == "nt":
+            import msvcrt
+
+            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl
+
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except (BlockingIOError, PermissionError):  # how POSIX and Windows say "taken"
+        return False
+    return True
+
+
+def say(sentence: str) -> None:
+    """One sentence on standard error."""
+    sys.stderr.write(f"{PACKAGE}: {sentence}\n")
+    sys.stderr.flush()

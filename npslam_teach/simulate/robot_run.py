@@ -82,8 +82,7 @@ def simulate_run(
     """
     path, num_classes = _checked_path(path), len(world.class_names)
     _require_confusion(sensor.class_confusion, num_classes)
-    odometry = se2.between(path[:-1], path[1:])
-    odometry = odometry + rng.normal(size=odometry.shape) * sensor.odometry_std
+    odometry = se2.between(path[:-1], path[1:]) + rng.normal(size=(len(path) - 1, 3)) * sensor.odometry_std
 
     time, obj, xy = visible_objects(world, path, sensor, object_paths)
     detected = rng.random(len(time)) < sensor.detection_probability

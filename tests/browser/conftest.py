@@ -6,7 +6,7 @@ Both are slow to start, so tests share them; a page is each test's own. Whatever
 from pathlib import Path
 
 import pytest
-from lab_server import LARGE_WINDOW, copy_of_the_course, running_chromium, running_lab
+from lab_server import LARGE_WINDOW, copy_of_the_course, new_context, running_chromium, running_lab
 
 
 def pytest_collection_modifyitems(items):
@@ -34,6 +34,6 @@ def lab(tmp_path_factory):
 @pytest.fixture
 def page(chromium):
     """An empty page in a window of its own, with neither cookies nor storage."""
-    context = chromium.new_context(viewport=LARGE_WINDOW)
+    context = new_context(chromium, viewport=LARGE_WINDOW)
     yield context.new_page()
     context.close()

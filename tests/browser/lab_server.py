@@ -23,7 +23,8 @@ CHROMIUM_ARGUMENTS = (
     "--disable-component-update --disable-sync"
 ).split()
 START_SECONDS = 90
-CELLS_SECONDS = 120
+CELLS_SECONDS = 300
+PAGE_SECONDS = 120
 LARGE_WINDOW = {"width": 1400, "height": 1000}
 
 
@@ -55,6 +56,13 @@ def copy_of_the_course(folder: Path) -> Path:
                 cell.update(outputs=[], execution_count=None)
         nbformat.write(notebook, path)
     return folder
+
+
+def new_context(browser, **how):
+    """A window of its own, which waits as long as a busy machine may take."""
+    context = browser.new_context(**how)
+    context.set_default_timeout(1000 * PAGE_SECONDS)
+    return context
 
 
 def free_port() -> int:

@@ -9,7 +9,7 @@ import nbformat
 import pytest
 from axe import violations
 from explorers import EXPLORER, Shown, explorers_of, lessons_with_explorers
-from lab_server import ROOT, open_notebook, run_all_cells, saved
+from lab_server import ROOT, new_context, open_notebook, run_all_cells, saved
 from latency import Row, table
 from window import Window
 
@@ -24,7 +24,7 @@ MOST_PRESSES = 6  # of a key, in each direction
 @pytest.fixture(scope="module")
 def lesson(request, chromium, lab):
     """(name, page): a lesson that has run, in a window of its own."""
-    context = chromium.new_context(viewport={"width": LAPTOP, "height": 1000})
+    context = new_context(chromium, viewport={"width": LAPTOP, "height": 1000})
     page = context.new_page()
     open_notebook(page, lab, request.param)
     run_all_cells(page)

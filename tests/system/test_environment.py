@@ -6,7 +6,6 @@ import os
 import shutil
 import subprocess
 import sys
-import time
 import tomllib
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from packaging.requirements import Requirement
 from npslam_teach.system import environment as env
 
 ROOT = Path(__file__).parents[2]
-SYSTEM = ("__init__.py", "environment.py", "interruption.py")
+SYSTEM = ("__init__.py", "environment.py", "interruption.py", "locking.py")
 STDLIB_ONLY = ["__main__.py", "__init__.py", *(f"system/{name}" for name in SYSTEM)]
 ABSENT = "there-is-no-such-package"
 
@@ -379,7 +378,7 @@ def test_the_lock_dies_with_its_process(course):
         assert first.stdout.readline() == "in\n"
         first.kill()
     with hold(course.lock, 0) as second:
-        assert second.communicate(timeout=10)[0] == "in\nout\n"
+        assert second.communicate(timeout=120)[0] == "in\nout\n"
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a killed parent's pip keeps the lock on POSIX only")
@@ -437,9 +436,9 @@ def test_from_a_bare_machine_to_an_exit_code(copy):
     ]
 
     moved = copy.rename(copy.with_name("moved"))
-    start = time.perf_counter()
+    made = env.Environment(moved).stamp.stat().st_mtime_ns
     second = call(moved, "lab")
-    assert time.perf_counter() - start < 5
+    assert env.Environment(moved).stamp.stat().st_mtime_ns == made  # nothing was made anew
     assert (second.returncode, second.stderr) == (7, "")
     python = env.Environment(moved).python
     kernel = run([python, "-c", "import npslam_teach as package; print(package.__file__)"], "/")

@@ -1,8 +1,8 @@
-"""Which objects can an observation be of at all? Those of its class that are near; all others weigh next to nothing.
+"""The candidates of each observation: the objects of its class within a search radius. All others are negligible.
 
 Comparing every observation with every object fills a matrix whose entries are nearly all zero: the kernel falls off so
-fast that beyond a few of its widths no number of votes could make up for it. A tree of positions for each class
-(``scipy.spatial.cKDTree``) finds the others.
+fast that beyond a few of its widths no number of votes makes up for it. A k-d tree of positions for each class
+(``scipy.spatial.cKDTree``) finds the objects within the radius.
 """
 
 from collections.abc import Iterator
@@ -34,7 +34,7 @@ def search_radius(
     """The distance (m) beyond which an object cannot be chosen.
 
     Without a threshold the question is whether an object outweighs a new one: ``votes exp(-d^2 / (2 s^2)) > alpha``.
-    With a threshold all weights are added up, and what lies beyond must be next to nothing, all of it together.
+    With a threshold all weights are added up, and all that lies beyond must be negligible together.
 
     Args:
         alpha: concentration.
@@ -53,7 +53,7 @@ def search_radius(
 
 
 def _distance(ratio: float, kernel_std: float) -> float:
-    """Where the kernel has fallen to one in ``ratio``, and a hair more, lest rounding decide."""
+    """Where the kernel has fallen to one in ``ratio``; slightly more, so that rounding never excludes a candidate."""
     slack = 1 + 1e-9
     return slack * kernel_std * np.sqrt(2 * np.log(slack * max(ratio, 1.0)))
 
@@ -65,7 +65,7 @@ def most_around(cells: np.ndarray) -> int:
         cells: (M, 3) column and row of the cell of each point, and its class; points of other classes do not count.
     """
     column, row, kind = (cells - cells.min(axis=0)).T
-    width, num_kinds = column.max() + 3, kind.max() + 1  # an empty column at each end, lest rows run into each other
+    width, num_kinds = column.max() + 3, kind.max() + 1  # an empty column at each end keeps rows apart
     keys, counts = np.unique(((row + 1) * width + column + 1) * num_kinds + kind, return_counts=True)
     around = np.zeros(len(keys), dtype=np.int64)
     for step in (down * width + right for down in (-1, 0, 1) for right in (-1, 0, 1)):
@@ -75,7 +75,7 @@ def most_around(cells: np.ndarray) -> int:
 
 
 class CandidateIndex:
-    """The objects in search_radius of each observation, while a sweep opens new ones.
+    """The objects within the search radius of each observation, while a sweep opens new ones.
 
     Attributes:
         votes: list of C lists: the votes of every object for each class.
@@ -109,7 +109,7 @@ class CandidateIndex:
             yield (k, objects + opened, kernels + opened_kernels) if opened else (k, objects, kernels)
 
     def add_object(self, k: int) -> None:
-        """Open an object where observation k was seen, and tell all observations of its class nearby."""
+        """Open an object where observation k was seen: a candidate for all observations of its class nearby."""
         c, new = int(self._class[k]), len(self._start_xy) + len(self._opened_xy)
         members = self._members[c][self._trees[c].query_ball_point(self._xy[k], self._radius)]
         kernels = kernel(self._xy[members], self._xy[k], self._kernel_std).tolist()
@@ -147,7 +147,7 @@ class CandidateIndex:
         return {c: (cKDTree(self._start_xy[objects]), objects) for c, objects in known.items()}
 
     def _pairs(self, asked: np.ndarray, c: int, tree, objects: np.ndarray) -> np.ndarray:
-        """Observations of class c among those asked, by their turn, and objects in their search_radius: (2, P)."""
+        """Observations of class c among those asked, by their turn, and objects within their search radius: (2, P)."""
         from scipy.spatial import cKDTree
 
         turns = np.flatnonzero(self._class[asked] == c)

@@ -1,6 +1,6 @@
 """One pass over all observations: each is asked once which object it is of, and each answer counts for the next.
 
-``plain_sweep`` is the rule as the paper tells it; ``sweep`` finds the same labels in less time.
+``plain_sweep`` is the rule of the paper; ``sweep`` finds the same labels in less time.
 """
 
 import numpy as np
@@ -29,7 +29,7 @@ def plain_sweep(
 ) -> Association:
     """Ask every observation once which object it is of (paper algorithm 1, lines 5 to 9; deck step 2.a).
 
-    This is the rule as it is told: every observation is compared with every object. ``sweep`` finds the same labels in
+    This is the rule as published: every observation is compared with every object. ``sweep`` finds the same labels in
     less time.
 
     An observation first takes its vote back, so that it is judged by the others; an object left without votes has
@@ -77,7 +77,7 @@ def sweep(
     """Ask every observation once which object it is of: ``plain_sweep`` in a time that grows with the observations.
 
     An observation is compared only with objects of its class within a search radius. The outcome is ``plain_sweep``'s
-    to the last bit: an answer that hangs on rounding is asked for again, the plain way.
+    to the last bit: where rounding could decide, all objects are compared.
 
     Args: as in ``plain_sweep``.
     """
@@ -103,7 +103,7 @@ def sweep(
 
 
 def _choose(votes: list, objects: list, kernels: list, alpha: float, threshold: float | None) -> int | None:
-    """What ``decide`` answers when all other objects weigh nothing; None where that hangs on rounding."""
+    """What ``decide`` answers if all other objects are negligible; None where rounding could decide."""
     best, weight, runner_up = len(votes), 0.0, 0.0
     for i, value in zip(objects, kernels, strict=True):
         rival = votes[i] * value
@@ -119,8 +119,8 @@ def _choose(votes: list, objects: list, kernels: list, alpha: float, threshold: 
         value, bar, margin = weight / total, threshold, 1e-11
     if value < bar - margin or (threshold is None and value == bar):
         return len(votes)
-    hangs_on_rounding = value <= bar + margin or weight * (1 - 1e-14) < runner_up < weight
-    return None if hangs_on_rounding else best
+    rounding_decides = value <= bar + margin or weight * (1 - 1e-14) < runner_up < weight
+    return None if rounding_decides else best
 
 
 def visiting_order(order: str | np.ndarray, num_observations: int) -> np.ndarray:

@@ -5,7 +5,13 @@ With the truth: ``metrics`` and ``clustering``. Against its own claims: ``consis
 """
 
 from npslam_teach.evaluation.clustering import compare_partitions, copies_of, singletons_for_unassigned
-from npslam_teach.evaluation.consistency import chi2_per_dof, share_inside, share_within, true_association_fit, windows
+from npslam_teach.evaluation.consistency import (
+    chi2_per_dof,
+    nis_in_windows,
+    share_inside,
+    share_within,
+    true_association_fit,
+)
 from npslam_teach.evaluation.map_quality import MapQuality, map_quality, position_variance, valid_only
 from npslam_teach.evaluation.metrics import Metrics, distances_to_truth, evaluate
 
@@ -24,5 +30,5 @@ __all__ = [
     "singletons_for_unassigned",
     "true_association_fit",
     "valid_only",
-    "windows",
+    "nis_in_windows",
 ]

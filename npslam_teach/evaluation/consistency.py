@@ -8,6 +8,7 @@ import numpy as np
 
 from npslam_teach.association import without_empty_objects
 from npslam_teach.pose_graph import chi2, fit, squared_radius
+from npslam_teach.pose_graph.unknowns import unknowns_of
 from npslam_teach.types import GroundTruth, PoseGraph, RobotLog
 
 
@@ -26,7 +27,7 @@ def chi2_per_dof(graph: PoseGraph) -> float:
     NaN where nothing is left over, as when every observation is an object of its own.
     """
     measured = 3 * len(graph.between.i) + 2 * len(graph.observations.pose)
-    unknown = 3 * (len(graph.poses) - 1) + 2 * len(graph.landmarks)
+    unknown = unknowns_of(graph).count
     return chi2(graph) / (measured - unknown) if measured > unknown else float("nan")
 
 
@@ -35,7 +36,7 @@ def share_within(radius: float) -> float:
     return float(-np.expm1(-(radius**2) / 2))
 
 
-def windows(nis: np.ndarray, nis_dof: np.ndarray, window: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def nis_in_windows(nis: np.ndarray, nis_dof: np.ndarray, window: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Frames taken together in windows, those without any match dropped.
 
     Args:

@@ -43,5 +43,6 @@ def snapshot(
     """
     labels = np.asarray(labels, dtype=int)
     votes = count_votes(labels, log.obs_class, len(graph.landmarks), log.num_classes)
-    value = chi2(graph)
-    return Snapshot(iteration, labels, votes, graph, value, alpha and objective(value, votes, alpha, area))
+    misfit = chi2(graph)
+    lowered = None if alpha is None else objective(misfit, votes, alpha, area)
+    return Snapshot(iteration, labels, votes, graph, misfit, lowered)

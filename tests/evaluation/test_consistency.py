@@ -14,6 +14,7 @@ import pytest
 import scipy.stats
 
 from npslam_teach import evaluation, pose_graph, se2, simulate
+from npslam_teach.types import BetweenFactors, ObservationFactors, PoseGraph
 
 SEEDS, LEVEL = range(200), 0.9999
 INSIDE = 1 - math.exp(-2)  # of a 2-sigma ellipse in the plane: 86.5 %
@@ -164,3 +165,16 @@ def test_ellipses_of_twice_the_area_or_half_of_it_would_be_noticed(runs, factor)
 def test_standard_deviations_ten_percent_off_would_be_noticed(factor):
     assert {"chi2", "joint NEES"} <= failed(measured(SEEDS, observation_factor=factor))
     assert "joint NEES" in failed(measured(SEEDS, odometry_factor=factor))
+
+
+@pytest.mark.parametrize(
+    ("fixed_poses", "fixed_landmarks", "unknowns"),
+    [((0,), (), 8), ((0, 2), (), 5), ((0,), (0,), 6), ((), (0,), 11 - 2)],
+)
+def test_degrees_of_freedom_counted_by_hand(fixed_poses, fixed_landmarks, unknowns):
+    """Three poses, two steps, one object seen from all three: 6 + 6 measured numbers, 9 + 2 numbers in all."""
+    steps = BetweenFactors([0, 1], [1, 2], [[1.0, 0, 0]] * 2, [np.eye(3)] * 2)
+    seen = ObservationFactors([0, 1, 2], [0, 0, 0], [[2.0, 0.5], [1.0, 0.0], [0.0, 0.0]], [np.eye(2)] * 3)
+    poses = [[0, 0, 0], [1, 0, 0], [2, 0, 0]]
+    graph = PoseGraph(poses, [[2.0, 0.0]], steps, seen, fixed_poses, fixed_landmarks)
+    assert evaluation.chi2_per_dof(graph) == pytest.approx(0.25 / (12 - unknowns))

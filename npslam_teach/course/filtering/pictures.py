@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from npslam_teach import se2
-from npslam_teach.evaluation.consistency import share_within, windows
+from npslam_teach.evaluation.consistency import nis_in_windows, share_within
 from npslam_teach.methods.ekf import expected_observations, landmarks_of
 from npslam_teach.methods.ekf_slam import NEW, UNASSIGNED, FilterStep, assign
 from npslam_teach.plotting.maps import plot_objects, plot_robots
@@ -182,7 +182,7 @@ def plot_nis(ax: Axes, records: dict, window: int = 50, probability: float = 0.9
     from scipy.stats import chi2
 
     for k, (name, record) in enumerate(records.items()):
-        middle, average, dof = windows(record.nis, record.nis_dof, window)
+        middle, average, dof = nis_in_windows(record.nis, record.nis_dof, window)
         line = {"color": BELIEF_COLORS[k % 4], "linestyle": BELIEF_LINES[k % 4], "marker": CLASS_MARKERS[k % 4]}
         ax.plot(middle, average, linewidth=2.2, label=name, **line)
     tail = (1 - probability) / 2

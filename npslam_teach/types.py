@@ -170,6 +170,8 @@ class PoseGraph:
     observations: ObservationFactors
     fixed_poses: np.ndarray = (0,)  # indices, each once
     fixed_landmarks: np.ndarray = ()  # indices, each once
+    pose_ids: tuple[int, ...] | None = None  # what a file calls them; None: by their index
+    landmark_ids: tuple[int, ...] | None = None
 
     def __post_init__(self):
         _set(self, "poses", (None, 3))
@@ -180,6 +182,12 @@ class PoseGraph:
             raise ValueError("poses: expected at least one pose, got none")
         if len(self.fixed_poses) + len(self.fixed_landmarks) == 0:
             raise ValueError("fixed_poses: expected at least one fixed pose or landmark, got none")
+        for name, ids, variables in (
+            ("pose_ids", self.pose_ids, self.poses),
+            ("landmark_ids", self.landmark_ids, self.landmarks),
+        ):
+            if ids is not None and len(ids) != len(variables):
+                raise ValueError(f"{name}: expected {len(variables)} ids, got {len(ids)}")
         for name, index, high, what in (
             ("between.i", self.between.i, len(self.poses), "the index of a pose"),
             ("between.j", self.between.j, len(self.poses), "the index of a pose"),

@@ -73,13 +73,14 @@ def optimize(options) -> int:
     write = _writer(options.out, (".g2o",))
     graph = datasets.load_g2o(options.graph)
     seconds = []
-    for _ in tqdm(range(options.repeat or 1), desc="optimize", unit="run", delay=2, leave=False):
-        begin = time.perf_counter()
-        with files.prefix_errors(options.graph):
-            steps = pose_graph.minimize(graph, options.tolerance)
-        seconds.append(time.perf_counter() - begin)
-    result = reports.optimize_result(steps, pose_graph.chi2(graph), seconds if options.repeat else seconds[0])
-    write(result, steps[-1].graph)
+    with files.prefix_errors(options.graph):
+        for _ in tqdm(range(options.repeat or 1), desc="optimize", unit="run", delay=2, leave=False):
+            begin = time.perf_counter()
+            pose_graph.minimize(graph, options.tolerance)
+            seconds.append(time.perf_counter() - begin)
+        optimum = pose_graph.certified_minimum(graph, options.tolerance)
+    result = reports.optimize_result(optimum, pose_graph.chi2(graph), seconds if options.repeat else seconds[0])
+    write(result, optimum.graph)
     _print(result if options.json else reports.optimize_text(result), options.json)
     return 0
 

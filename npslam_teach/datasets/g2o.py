@@ -6,7 +6,7 @@ One vertex or edge per line::
     VERTEX_XY id x y                        a landmark                   m
     EDGE_SE2 i j dx dy dtheta I11 I12 I13 I22 I23 I33      pose j in the frame of pose i
     EDGE_SE2_XY i l x y I11 I12 I22         landmark l in the frame of pose i
-    FIX id                                  a pose that an optimizer holds still
+    FIX id ...                              poses or landmarks that an optimizer holds still
 
 ``I11 ...`` is the upper triangle of the information matrix, row by row. What follows a ``#`` is a comment.
 
@@ -15,73 +15,75 @@ frame of pose i. One is the other turned by dtheta, so the information is turned
 out, and chi2 is the same number here and there.
 """
 
-import math
+import warnings
 from dataclasses import replace
 
 import numpy as np
 
-from npslam_teach.system.files import atomic_write, prefix_errors, read_bytes, shorten
+from npslam_teach.datasets.graph_lines import FIELDS, parse
+from npslam_teach.system.files import atomic_write, prefix_errors
 from npslam_teach.types import BetweenFactors, ObservationFactors, PoseGraph
-from npslam_teach.validation import LARGEST
 
-_MAX_LINE_BYTES = 1 << 20  # whatever has longer lines is no text; splitting it would take many times its size
-
-_FIELDS = {  # tag -> names of its ids, names of its numbers
-    b"VERTEX_SE2": (("id",), ("x", "y", "theta")),
-    b"VERTEX_XY": (("id",), ("x", "y")),
-    b"EDGE_SE2": (("i", "j"), ("dx", "dy", "dtheta", "I11", "I12", "I13", "I22", "I23", "I33")),
-    b"EDGE_SE2_XY": (("i", "l"), ("x", "y", "I11", "I12", "I22")),
-    b"FIX": (("id",), ()),
-}
+ROUNDING = 1e-5  # of the largest eigenvalue: what printing six digits can do to an information matrix
 
 
 def load_g2o(path) -> PoseGraph:
-    """Read a pose graph from a .g2o file.
+    """Read a pose graph from a .g2o file (gzip or not), or from one of TORO.
 
-    Poses are numbered in the order of their ids, and so are landmarks. ``FIX`` is accepted for one pose and otherwise
-    ignored: this package holds pose 0, and since factors compare poses only with each other, the minimum of chi2 is
-    the same. An unknown tag is an error, never skipped: without some of its factors a graph has another answer.
+    Poses are numbered in the order of their ids, and so are landmarks; the graph keeps the ids for messages and for
+    ``save_g2o``. What ``FIX`` names is fixed, the pose of lowest id where there is none. A file without vertices is
+    read, its estimates are zero; ``pose_graph.odometry_start`` lays them out. Two things are read with a warning:
+    that, and an information matrix that is indefinite only because it was printed with few digits. An unknown tag
+    is an error, never skipped: without some of its factors a graph has another answer.
 
     Raises:
         FileNotFoundError: no such file.
         ValueError: names the file, the line and the field, what was expected and what came.
     """
-    rows = _parse(path)
-    pose_index = _index(rows[b"VERTEX_SE2"])
-    landmark_index = _index(rows[b"VERTEX_XY"])
-    if not pose_index:
-        raise ValueError(f"{path}: expected at least one VERTEX_SE2, got none")
+    rows = parse(path)
+    _require_no_offset(path, rows[b"PARAMS_SE2OFFSET"])
     _require_unique(path, rows[b"VERTEX_SE2"] + rows[b"VERTEX_XY"])
-    _require_one_fixed_pose(path, rows[b"FIX"], pose_index)
+    poses, pose_index = _vertices(path, rows, b"VERTEX_SE2", [(b"EDGE_SE2", 0), (b"EDGE_SE2", 1), (b"EDGE_SE2_XY", 0)])
+    landmarks, landmark_index = _vertices(path, rows, b"VERTEX_XY", [(b"EDGE_SE2_XY", 1)])
+    if not pose_index:
+        raise ValueError(f"{path}: expected at least one VERTEX_SE2 or EDGE_SE2, got none")
+    fixed_poses, fixed_landmarks = _fixed(path, rows[b"FIX"], pose_index, landmark_index)
     between = _edges(path, rows[b"EDGE_SE2"], pose_index, pose_index, 3, BetweenFactors)
     with prefix_errors(path):  # turning can make the largest numbers a little larger
         between = turned_information(between, +1)
     return PoseGraph(
-        poses=_vertices(rows[b"VERTEX_SE2"], 3),
-        landmarks=_vertices(rows[b"VERTEX_XY"], 2),
+        poses=poses,
+        landmarks=landmarks,
         between=between,
         observations=_edges(path, rows[b"EDGE_SE2_XY"], pose_index, landmark_index, 2, ObservationFactors),
+        fixed_poses=fixed_poses,
+        fixed_landmarks=fixed_landmarks,
+        pose_ids=tuple(pose_index),
+        landmark_ids=tuple(landmark_index),
     )
 
 
 def save_g2o(path, graph: PoseGraph) -> None:
     """Write a pose graph to a .g2o file; `load_g2o` gives back the same numbers.
 
-    Estimates and measurements come back bit for bit, the information of poses up to rounding. Poses get the ids
-    0, 1, ..., landmarks the ids that follow. Nothing is written when something goes wrong.
+    Estimates and measurements come back bit for bit, the information of poses up to rounding. Vertices keep the ids of
+    the file they came from; others get 0, 1, ..., landmarks the ids that follow. ``FIX`` is written unless it is just
+    pose 0 that is fixed. Nothing is written when something goes wrong.
 
     Raises:
         FileNotFoundError: the folder does not exist.
         ValueError: the file cannot be written.
     """
-    first_landmark, seen = len(graph.poses), graph.observations
+    pose_ids, landmark_ids = _ids(graph)
+    seen, fixed = graph.observations, np.append(pose_ids[graph.fixed_poses], landmark_ids[graph.fixed_landmarks])
     with prefix_errors(path):
         between = turned_information(graph.between, -1)
     lines = [
-        *_lines("VERTEX_SE2", [np.arange(first_landmark)], graph.poses),
-        *_lines("VERTEX_XY", [first_landmark + np.arange(len(graph.landmarks))], graph.landmarks),
-        *_lines("EDGE_SE2", [between.i, between.j], between.relative_pose, between.information),
-        *_lines("EDGE_SE2_XY", [seen.pose, first_landmark + seen.landmark], seen.xy, seen.information),
+        *_lines("VERTEX_SE2", [pose_ids], graph.poses),
+        *_lines("VERTEX_XY", [landmark_ids], graph.landmarks),
+        *([] if fixed.tolist() == pose_ids[:1].tolist() else [f"FIX {vertex}\n" for vertex in fixed.tolist()]),
+        *_lines("EDGE_SE2", [pose_ids[between.i], pose_ids[between.j]], between.relative_pose, between.information),
+        *_lines("EDGE_SE2_XY", [pose_ids[seen.pose], landmark_ids[seen.landmark]], seen.xy, seen.information),
     ]
     with atomic_write(path, "w") as stream:
         stream.writelines(lines)
@@ -109,79 +111,45 @@ def _lines(tag: str, ids: list, measurement: np.ndarray, information: np.ndarray
         yield " ".join([tag, *map(str, line_ids), *map(repr, line_numbers)]) + "\n"
 
 
-def _parse(path) -> dict:
-    """Tag -> list of (line number, ids, numbers), in the order of the file."""
-    rows = {tag: [] for tag in _FIELDS}
-    # Bytes, not text: a number has no other digits than ASCII's, and a comment may be in any encoding.
-    for line_number, line in enumerate(read_bytes(path).splitlines(), 1):
-        if len(line) > _MAX_LINE_BYTES:
-            problem = f"expected at most {_MAX_LINE_BYTES} bytes, got {len(line)}"
-            raise ValueError(f"{path}, line {line_number}: {problem}")
-        fields = line.split(b"#", 1)[0].split()
-        if fields:
-            ids, numbers = _convert(path, line_number, fields)
-            rows[fields[0]].append((line_number, ids, numbers))
-    return rows
+def _ids(graph: PoseGraph) -> tuple[np.ndarray, np.ndarray]:
+    """The ids of all poses and of all landmarks; those of the file they came from, where no two are equal."""
+    num_poses, num_landmarks = len(graph.poses), len(graph.landmarks)
+    if graph.pose_ids is not None and graph.landmark_ids is not None:
+        if len({*graph.pose_ids, *graph.landmark_ids}) == num_poses + num_landmarks:
+            return np.array(graph.pose_ids, dtype=object), np.array(graph.landmark_ids, dtype=object)
+    return np.arange(num_poses), num_poses + np.arange(num_landmarks)
 
 
-def _convert(path, line_number: int, fields: list) -> tuple[list, list]:
-    """The ids and the numbers of one line."""
-    tag = fields[0]
-    if tag not in _FIELDS:
-        raise ValueError(f"{path}, line {line_number}: {_unknown(tag)}")
-    id_names, number_names = _FIELDS[tag]
-    names = id_names + number_names
-    if len(fields) - 1 != len(names):
-        problem = f"expected {len(names)} values ({' '.join(names)}), got {len(fields) - 1}"
-        raise ValueError(f"{path}, line {line_number}: {tag.decode()}: {problem}")
-    values = []
-    try:
-        for name, field in zip(names, fields[1:], strict=True):
-            values.append(_integer(field) if name in id_names else _number(field))
-    except ValueError as error:
-        problem = f"{error}, got {_quote(field)}"
-        raise ValueError(f"{path}, line {line_number}: {tag.decode()} {name}: {problem}") from None
-    return values[: len(id_names)], values[len(id_names) :]
+def _vertices(path, rows: dict, tag: bytes, ends: list[tuple[bytes, int]]) -> tuple[np.ndarray, dict]:
+    """Estimates (N, size) in increasing order of id, and id -> position; zeros where a file has edges alone."""
+    size = len(FIELDS[tag][1])
+    if rows[tag]:
+        in_order = sorted(rows[tag], key=lambda row: row[1])
+        index = {ids[0]: k for k, (_, ids, _) in enumerate(in_order)}
+        return np.array([numbers for _, _, numbers in in_order]), index
+    named = sorted({ids[end] for edge, end in ends for _, ids, _ in rows[edge]})
+    if named:
+        kind = tag.decode()
+        warnings.warn(f"{path}: no {kind} lines, so the estimates come from the edges alone", stacklevel=3)
+    return np.zeros((len(named), size)), {vertex: k for k, vertex in enumerate(named)}
 
 
-def _unknown(tag: bytes) -> str:
-    if b"SE3" in tag or b"XYZ" in tag or b"QUAT" in tag or tag in (b"VERTEX3", b"EDGE3"):
-        return f"expected a two-dimensional graph, got the tag {_quote(tag)} of a three-dimensional one"
-    known = ", ".join(known.decode() for known in _FIELDS)
-    return f"expected one of the tags {known}, got {_quote(tag)}"
+def _fixed(path, rows: list, pose_index: dict, landmark_index: dict) -> tuple[list, list]:
+    """The positions of all poses and of all landmarks that are fixed."""
+    for line_number, (vertex,), _ in rows:
+        if vertex not in pose_index and vertex not in landmark_index:
+            raise ValueError(f"{path}, line {line_number}: FIX id: expected the id of a vertex, got {vertex}")
+    named = dict.fromkeys(vertex for _, (vertex,), _ in rows)
+    poses = [pose_index[vertex] for vertex in named if vertex in pose_index]
+    landmarks = [landmark_index[vertex] for vertex in named if vertex in landmark_index]
+    return (poses, landmarks) if named else ([0], [])
 
 
-def _quote(field: bytes) -> str:
-    return shorten(field[:100].decode("latin-1"))
-
-
-def _integer(field: bytes) -> int:
-    # Digits only: int() would also take signs and "1_0".
-    if not field.isdigit() or len(field) > 20:
-        raise ValueError("expected a non-negative integer")
-    return int(field)
-
-
-def _number(field: bytes) -> float:
-    try:
-        value = float(field)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value) or b"_" in field:
-        raise ValueError("expected a finite number")
-    if abs(value) > LARGEST:
-        raise ValueError(f"expected a number up to {LARGEST:g}")
-    return value
-
-
-def _index(rows: list) -> dict:
-    """Id -> position when the vertices are sorted by id."""
-    return {vertex: k for k, vertex in enumerate(sorted(ids[0] for _, ids, _ in rows))}
-
-
-def _vertices(rows: list, size: int) -> np.ndarray:
-    """(N, size) in increasing order of id."""
-    return np.array([numbers for _, _, numbers in sorted(rows, key=lambda row: row[1])]).reshape(-1, size)
+def _require_no_offset(path, rows: list) -> None:
+    for line_number, _, numbers in rows:
+        if any(numbers):
+            problem = f"expected a sensor at the robot's origin, 0 0 0, got {numbers}"
+            raise ValueError(f"{path}, line {line_number}: PARAMS_SE2OFFSET: {problem}")
 
 
 def _require_unique(path, rows: list) -> None:
@@ -193,13 +161,6 @@ def _require_unique(path, rows: list) -> None:
         lines[vertex] = line_number
 
 
-def _require_one_fixed_pose(path, rows: list, pose_index: dict) -> None:
-    for count, (line_number, (vertex,), _) in enumerate(rows):
-        if count or vertex not in pose_index:
-            problem = "one FIX in the file, got another" if count else f"the id of a VERTEX_SE2, got {vertex}"
-            raise ValueError(f"{path}, line {line_number}: FIX id: expected {problem}")
-
-
 def _edges(path, rows: list, first_index: dict, second_index: dict, size: int, make):
     """The factors of all edges of a kind: ``make`` is their dataclass, ``size`` a measurement's length."""
     ends = [_ends(path, row, first_index, second_index) for row in rows]
@@ -208,6 +169,7 @@ def _edges(path, rows: list, first_index: dict, second_index: dict, size: int, m
     numbers = np.array([numbers for _, _, numbers in rows]).reshape(-1, size + len(row))
     information = np.zeros((len(rows), size, size))
     information[:, row, column] = information[:, column, row] = numbers[:, size:]
+    information = _without_rounding(path, rows, information)
     columns = (first, second, numbers[:, :size], information)
     try:
         return make(*columns)
@@ -215,6 +177,26 @@ def _edges(path, rows: list, first_index: dict, second_index: dict, size: int, m
         line_number, _, values = rows[_first_rejected(make, columns)]
         problem = f"expected a positive semidefinite matrix, got the upper triangle {values[size:]}"
         raise ValueError(f"{path}, line {line_number}: I11: {problem}") from None
+
+
+def _without_rounding(path, rows: list, information: np.ndarray) -> np.ndarray:
+    """Matrices whose negative eigenvalues can come from printing few digits, made positive definite by that much."""
+    if len(information) == 0:
+        return information
+    values, vectors = np.linalg.eigh(information)
+    allowed = ROUNDING * values[:, -1]
+    rounded = (values[:, 0] < -1e-9 * values[:, -1]) & (values[:, 0] > -allowed)
+    if not rounded.any():
+        return information
+    first = rows[int(np.argmax(rounded))][0]
+    warnings.warn(
+        f"{path}: {rounded.sum()} information matrices, the first in line {first}, are indefinite by the rounding of "
+        "their printed digits; their smallest eigenvalues were raised by that much",
+        stacklevel=4,
+    )
+    values = np.maximum(values, allowed[:, None])
+    raised = np.einsum("eij,ej,ekj->eik", vectors, values, vectors)
+    return np.where(rounded[:, None, None], (raised + raised.swapaxes(1, 2)) / 2, information)
 
 
 def _ends(path, row: tuple, first_index: dict, second_index: dict) -> tuple[int, int]:

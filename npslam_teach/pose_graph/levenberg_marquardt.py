@@ -15,12 +15,10 @@ and Wright, "Numerical Optimization" (2006):
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from npslam_teach import se2
 from npslam_teach.pose_graph.factorization import LinearSystem
 from npslam_teach.pose_graph.gauss_newton import ROUNDING, Iteration, require_settings
 from npslam_teach.pose_graph.linearization import (
@@ -71,9 +69,9 @@ def levenberg_marquardt(
     """
     require_settings(tolerance, max_iterations)
     require_factors(graph)
-    # A heading of many turns would swallow small steps in rounding.
-    graph = replace(graph, poses=np.column_stack([graph.poses[:, :2], se2.wrap(graph.poses[:, 2])]))
     system = system or linear_system(graph)
+    # Wrapped headings from the first: one of many turns would swallow small steps in rounding.
+    graph = retract(graph, np.zeros(system.structure.num_unknowns))
     structure, at = system.structure, residuals(graph)
     status = "running" if structure.num_unknowns else "converged"
     now = Iteration(0, graph, at.chi2, np.zeros(structure.num_unknowns), 0.0, status == "converged", status)

@@ -8,7 +8,7 @@ import numpy as np
 
 from npslam_teach.pose_graph.block_sparsity import BlockStructure
 from npslam_teach.pose_graph.factor_kinds import FACTOR_KINDS
-from npslam_teach.pose_graph.unknowns import VARIABLES, name_of, steps_by_variable
+from npslam_teach.pose_graph.unknowns import name_of, named, steps_by_variable
 from npslam_teach.types import PoseGraph
 
 CONDITION_LIMIT = 1e10  # how much weaker than its own diagonal H may be in some direction before it is looked at closer
@@ -78,9 +78,7 @@ def _refuse(graph: PoseGraph, unknown: int) -> None:
 
 def _node_name(graph: PoseGraph, node: int) -> str:
     num_poses = len(graph.poses)
-    if node < num_poses:
-        return f"{VARIABLES['poses']} {node}"
-    return f"{VARIABLES['landmarks']} {node - num_poses}"
+    return named(graph, "poses", node) if node < num_poses else named(graph, "landmarks", node - num_poses)
 
 
 def _fixed_nodes(graph: PoseGraph) -> np.ndarray:

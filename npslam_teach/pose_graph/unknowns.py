@@ -76,7 +76,20 @@ def retract(graph: PoseGraph, dx: np.ndarray) -> PoseGraph:
     steps = steps_by_variable(graph, dx)
     poses = graph.poses + steps["poses"]
     poses[:, 2] = se2.wrap(poses[:, 2])
+    poses[graph.fixed_poses] = graph.poses[graph.fixed_poses]  # to the last bit
     return replace(graph, poses=poses, landmarks=graph.landmarks + steps["landmarks"])
+
+
+def named(graph: PoseGraph, variable: str, index: int) -> str:
+    """What a pose or landmark is called, such as "pose 3": by its id in the file it comes from, or by its index.
+
+    Args:
+        graph: that has it.
+        variable: "poses" or "landmarks".
+        index: which.
+    """
+    ids = graph.pose_ids if variable == "poses" else graph.landmark_ids
+    return f"{VARIABLES[variable]} {index if ids is None else ids[index]}"
 
 
 def name_of(graph: PoseGraph, unknown: int) -> str:
@@ -84,6 +97,6 @@ def name_of(graph: PoseGraph, unknown: int) -> str:
     for name, free in unknowns_of(graph).free.items():
         size = getattr(graph, name).shape[1]
         if unknown < size * len(free):
-            return f"{VARIABLES[name]} {free[unknown // size]}"
+            return named(graph, name, free[unknown // size])
         unknown -= size * len(free)
     raise IndexError("unknown: expected one of the unknowns of the graph, got one beyond")

@@ -1,5 +1,6 @@
 """Pose graphs in and out: exact round trips, a line number for every mistake, nothing dropped silently."""
 
+import gzip
 import time
 from dataclasses import replace
 
@@ -8,6 +9,7 @@ import pytest
 
 from npslam_teach import types
 from npslam_teach.datasets import load_g2o, save_g2o
+from npslam_teach.pose_graph import optimize
 
 SMALL = """\
 # two poses see one tree
@@ -164,8 +166,101 @@ def test_the_order_of_lines_and_the_names_of_vertices_do_not_matter(tmp_path, se
     assert chi2(shuffled) == pytest.approx(chi2(graph), rel=1e-12)
 
 
-def test_one_fixed_pose_is_accepted_and_changes_nothing(tmp_path):
-    assert_equal(load_g2o(write(tmp_path, SMALL + "FIX 7\n")), load_g2o(write(tmp_path, SMALL)))
+@pytest.mark.parametrize(
+    ("lines", "poses", "landmarks"),
+    [
+        ("", [0], []),
+        ("FIX 4\n", [0], []),
+        ("FIX 7\n", [1], []),
+        ("FIX 7 4\n", [1, 0], []),
+        ("FIX 7\nFIX 4\nFIX 7\n", [1, 0], []),
+        ("FIX 5 7\n", [1], [0]),
+        ("FIX 5\n", [], [0]),
+    ],
+)
+def test_what_is_fixed_is_read_and_written_back(tmp_path, lines, poses, landmarks):
+    graph = load_g2o(write(tmp_path, SMALL + lines))
+    assert (graph.fixed_poses.tolist(), graph.fixed_landmarks.tolist()) == (poses, landmarks)
+    save_g2o(tmp_path / "again.g2o", graph)
+    again = load_g2o(tmp_path / "again.g2o")
+    assert_equal(again, graph)
+    assert (again.fixed_poses.tolist(), again.fixed_landmarks.tolist()) == (poses, landmarks)
+    assert (again.pose_ids, again.landmark_ids) == (graph.pose_ids, graph.landmark_ids) == ((4, 7), (5,))
+
+
+def test_a_fixed_pose_stays_and_the_others_come_to_it(cases_folder):
+    graph = load_g2o(cases_folder / "fix_last.g2o")
+    solved = optimize(graph)
+    np.testing.assert_array_equal(solved.poses[2], [100.0, 50.0, 0.3])
+    np.testing.assert_allclose(solved.poses[0, :2], [100 - 2 * np.cos(0.3), 50 - 2 * np.sin(0.3)], atol=1e-9)
+    both = load_g2o(cases_folder / "fix_two_ids.g2o")
+    assert both.fixed_poses.tolist() == [0, 1] and both.pose_ids == (10, 250, 4711)
+    np.testing.assert_array_equal(optimize(both).poses[:2], both.poses[:2])
+
+
+def test_errors_call_a_pose_by_its_id(cases_folder):
+    with pytest.raises(np.linalg.LinAlgError, match="pose 8000 is not tied to pose 10 by any chain of factors"):
+        optimize(load_g2o(cases_folder / "index_not_id.g2o"))
+
+
+def test_a_file_of_edges_alone_is_read_with_a_warning(cases_folder):
+    with pytest.warns(UserWarning, match="no VERTEX_SE2 lines, so the estimates come from the edges alone"):
+        graph = load_g2o(cases_folder / "no_vertices.g2o")
+    assert graph.pose_ids == (10, 250, 4711)
+    np.testing.assert_allclose(optimize(graph).poses, [[0, 0, 0], [1, 0, 0], [1, 1, 1.57]], atol=1e-9)
+
+
+def test_landmarks_of_edges_alone(tmp_path):
+    path = write(tmp_path, "EDGE_SE2 2 1 -1 0 0 4 0 0 4 0 4\nEDGE_SE2_XY 2 9 1 1 4 0 4\nEDGE_SE2_XY 1 9 2 1 4 0 4\n")
+    with pytest.warns(UserWarning):
+        graph = load_g2o(path)
+    assert (graph.pose_ids, graph.landmark_ids) == ((1, 2), (9,))
+    assert chi2(optimize(graph)) < 1e-18
+
+
+def test_no_offset_of_the_sensor_is_accepted_and_any_other_refused(cases_folder, tmp_path):
+    assert len(load_g2o(cases_folder / "params_zero_offset.g2o").poses) == 3
+    with pytest.raises(ValueError, match="line 1: PARAMS_SE2OFFSET: expected a sensor at the robot's origin"):
+        load_g2o(write(tmp_path, "PARAMS_SE2OFFSET 0 0.1 0 0\n" + SMALL))
+
+
+def test_a_byte_order_mark_and_gzip_are_read(cases_folder, tmp_path):
+    assert load_g2o(cases_folder / "bom.g2o").pose_ids == (10, 250, 4711)
+    packed = write(tmp_path, gzip.compress(SMALL.encode()), "graph.g2o.gz")
+    assert_equal(load_g2o(packed), load_g2o(write(tmp_path, SMALL)))
+    with pytest.raises(ValueError, match=r"graph.g2o.gz: expected a whole gzip file"):
+        load_g2o(write(tmp_path, gzip.compress(SMALL.encode())[:-9], "graph.g2o.gz"))
+    with pytest.raises(ValueError, match="expected ASCII or UTF-8, got UTF-16"):
+        load_g2o(write(tmp_path, SMALL.encode("utf-16")))
+
+
+def test_a_gzip_bomb_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("npslam_teach.datasets.graph_lines.MAX_BYTES", 1000)
+    with pytest.raises(ValueError, match="expected at most 1000 bytes when unpacked, got more"):
+        load_g2o(write(tmp_path, gzip.compress(b"# " + b"0" * 5000 + b"\n"), "graph.g2o.gz"))
+
+
+def test_toro_has_the_same_numbers_in_another_order(tmp_path):
+    toro = "VERTEX2 4 0 0 0\nVERTEX2 7 1.5 0.25 -0.5\nEDGE2 4 7 1 0 0.1 4 0.5 5 6 0.25 0.125\n"
+    lines = SMALL.splitlines(keepends=True)
+    g2o = "".join(line for line in lines if line.startswith(("VERTEX_SE2", "EDGE_SE2 ")))
+    assert_equal(load_g2o(write(tmp_path, toro)), load_g2o(write(tmp_path, g2o, "other.g2o")))
+
+
+def test_other_programs_are_named(tmp_path):
+    with pytest.raises(ValueError, match="line 1: expected a file of g2o or TORO, got the tag 'ODOMETRY' of iSAM"):
+        load_g2o(write(tmp_path, "ODOMETRY 0 1 1 0 0 1 0 0 1 0 1\n"))
+
+
+def test_information_that_printing_made_indefinite_is_read_with_a_warning(cases_folder, tmp_path):
+    with pytest.warns(UserWarning, match="1 information matrices, the first in line 4, are indefinite by the rounding"):
+        graph = load_g2o(cases_folder / "rounded_information.g2o")
+    information = graph.between.information
+    assert np.linalg.eigvalsh(information[0])[0] > 0
+    np.testing.assert_allclose(information[0], [[100, 100, 0], [100, 99.9999, 0], [0, 0, 1]], atol=3e-3)
+    assert chi2(optimize(graph)) < 1e-12
+    with pytest.raises(ValueError, match="line 8: I11: expected a positive semidefinite matrix"):
+        load_g2o(write(tmp_path, SMALL + "EDGE_SE2 4 7 1 0 0 100 100 0 99.9 0 1\n"))
 
 
 WRONG = [
@@ -201,15 +296,14 @@ WRONG = [
         8,
         "I11: expected a positive semidefinite matrix, got the upper triangle [3.0, 4",
     ),
-    ("FIX 8", 8, "FIX id: expected the id of a VERTEX_SE2, got 8"),
-    ("FIX 5", 8, "FIX id: expected the id of a VERTEX_SE2, got 5"),
-    ("FIX 4\nFIX 7", 9, "FIX id: expected one FIX in the file, got another"),
+    ("FIX 8", 8, "FIX id: expected the id of a vertex, got 8"),
+    ("FIX 4 8", 8, "FIX id: expected the id of a vertex, got 8"),
     ("FIX", 8, "FIX: expected 1 values (id), got 0"),
-    ("FIX 4 7", 8, "FIX: expected 1 values (id), got 2"),
+    ("FIX 4 seven", 8, "FIX id: expected a non-negative integer, got 'seven'"),
     (
         "EDGE_SE2_RANGE 4 7 1 1",
         8,
-        "expected one of the tags VERTEX_SE2, VERTEX_XY, EDGE_SE2, EDGE_SE2_XY, FIX, got",
+        "expected one of the tags VERTEX_SE2, VERTEX_XY, EDGE_SE2, EDGE_SE2_XY, FIX, PARAMS_SE2OFFSET, got",
     ),
     ("vertex_se2 8 1 1 1", 8, "expected one of the tags"),
     ("\x00\x01\x02", 8, "expected one of the tags"),
@@ -240,7 +334,7 @@ def test_indefinite_information_is_found_among_many_edges(tmp_path, position):
 @pytest.mark.parametrize("text", ["# nothing\n", "VERTEX_XY 1 0 0\n", "\n\n"])
 def test_a_graph_needs_a_pose(tmp_path, text):
     path = write(tmp_path, text)
-    with pytest.raises(ValueError, match="expected at least one VERTEX_SE2, got none") as caught:
+    with pytest.raises(ValueError, match="expected at least one VERTEX_SE2 or EDGE_SE2, got none") as caught:
         load_g2o(path)
     assert str(path) in str(caught.value)
 

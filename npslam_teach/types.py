@@ -188,6 +188,9 @@ class PoseGraph:
         ):
             if ids is not None and len(ids) != len(variables):
                 raise ValueError(f"{name}: expected {len(variables)} ids, got {len(ids)}")
+        self._require_indices()
+
+    def _require_indices(self) -> None:
         for name, index, high, what in (
             ("between.i", self.between.i, len(self.poses), "the index of a pose"),
             ("between.j", self.between.j, len(self.poses), "the index of a pose"),

@@ -1,4 +1,4 @@
-"""Files in and out: robot logs (.npz), the authors' original files (.mat), pose graphs (.g2o)."""
+"""Robot logs in and out: our own .npz files, and the authors' two kinds of .mat files by their variables."""
 
 import io
 import math
@@ -10,15 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
-from npslam_teach.datasets.download import fetch_mu2016_simulation, fetch_stata_office
-from npslam_teach.datasets.g2o import load_g2o, save_g2o
+from npslam_teach.datasets.g2o import load_g2o
 from npslam_teach.datasets.mat_files import read_mat
 from npslam_teach.datasets.mu2016 import (
     MAX_CLASSES,
     SIMULATION_VARIABLES,
     STATA_VARIABLES,
-    load_mu2016_simulation,
-    load_stata_office,
     simulation_from,
     stata_office_from,
 )
@@ -26,17 +23,7 @@ from npslam_teach.system.files import atomic_write, prefix_errors, read_bytes, s
 from npslam_teach.types import GroundTruth, RobotLog, World
 from npslam_teach.validation import checked_array
 
-__all__ = [
-    "atomic_write",
-    "fetch_mu2016_simulation",
-    "fetch_stata_office",
-    "load_g2o",
-    "load_log",
-    "load_mu2016_simulation",
-    "load_stata_office",
-    "save_g2o",
-    "save_log",
-]
+__all__ = ["load_g2o", "load_log", "save_log"]
 
 LOG_FIELDS = ("odometry", "obs_time", "obs_xy", "obs_class", "num_classes", "odometry_std", "observation_std")
 TRUTH_FIELDS = ("true_poses", "true_object", "object_xy", "object_class")

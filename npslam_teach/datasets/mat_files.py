@@ -4,6 +4,10 @@ Why not ``scipy.io.loadmat``: a damaged file can make it crash the whole Python 
 which no ``except`` catches), or raise a dozen kinds of exceptions. Here every length is compared with the
 bytes that are there before it is used. The tests hold this reader against SciPy's on intact files.
 
+Why not SciPy for the authors' two files alone, known by their sha256: `solve` and `reproduce --data` would refuse a run
+that somebody else saved with the authors' variables, and a file of theirs that was saved anew; its error could not name
+the variable that is wrong; and without the originals, which are not shipped, no test could read a .mat file.
+
 Source: MathWorks, "MAT-File Format", chapter 1. A file is a header of 128 bytes and then elements: a tag
 (type, size) and data. A variable is an element that holds further elements, and is usually compressed.
 """

@@ -76,7 +76,8 @@ def retract(graph: PoseGraph, dx: np.ndarray) -> PoseGraph:
     steps = steps_by_variable(graph, dx)
     poses = graph.poses + steps["poses"]
     poses[:, 2] = se2.wrap(poses[:, 2])
-    poses[graph.fixed_poses] = graph.poses[graph.fixed_poses]  # to the last bit
+    as_given = graph.fixed_poses[np.abs(graph.poses[graph.fixed_poses, 2]) <= np.pi]
+    poses[as_given] = graph.poses[as_given]  # to the last bit
     return replace(graph, poses=poses, landmarks=graph.landmarks + steps["landmarks"])
 
 

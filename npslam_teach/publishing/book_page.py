@@ -46,31 +46,21 @@ math { font-family: "Latin Modern Math", "STIX Two Math", "Cambria Math", "DejaV
   .formula { overflow-x: visible; }
 }
 """
-
-
-def page(chapters: list[tuple[Chapter, str]]) -> str:
-    """The whole book.
-
-    Args:
-        chapters: each lesson and its HTML.
-    """
-    contents = "\n".join(_contents(chapter) for chapter, _ in chapters)
-    lessons = "\n".join(f'<section class="lesson">\n{body}\n</section>' for _, body in chapters)
-    return f"""\
+_PAGE = """\
 <!DOCTYPE html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{html.escape(TITLE)}</title>
+<title>{title}</title>
 <style>
-{_STYLE}{_code_colours()}
+{style}
 </style>
 </head>
 <body>
 <header>
-<h1>{html.escape(TITLE)}</h1>
-{_INTRODUCTION}
+<h1>{title}</h1>
+{introduction}
 </header>
 <nav aria-label="Contents">
 <h2>Contents</h2>
@@ -84,6 +74,23 @@ def page(chapters: list[tuple[Chapter, str]]) -> str:
 </body>
 </html>
 """
+
+
+def page(chapters: list[tuple[Chapter, str]]) -> str:
+    """The whole book.
+
+    Args:
+        chapters: each lesson and its HTML.
+    """
+    contents = "\n".join(_contents(chapter) for chapter, _ in chapters)
+    lessons = "\n".join(f'<section class="lesson">\n{body}\n</section>' for _, body in chapters)
+    return _PAGE.format(
+        title=html.escape(TITLE),
+        style=_STYLE + _code_colours(),
+        introduction=_INTRODUCTION,
+        contents=contents,
+        lessons=lessons,
+    )
 
 
 def _contents(chapter: Chapter) -> str:

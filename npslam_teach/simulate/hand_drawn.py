@@ -17,7 +17,7 @@ _SAMPLING = 0.02  # m between the points that are smoothed
 
 # What a kernel works through while somebody waits for the picture to move.
 MIN_LENGTH, MAX_LENGTH = 1.0, 100.0  # m
-MAX_POINTS, MAX_OBJECTS, MAX_SIGHTINGS = 20_000, 60, 5_000
+MAX_POINTS, MAX_OBJECTS, MAX_OBSERVATIONS = 20_000, 60, 5_000
 MAX_NOISE, MAX_CLUTTER = 5.0, 1.0
 MAX_SEED = 2**32
 
@@ -97,9 +97,9 @@ def drawn_run(drawing: Drawing) -> tuple[RobotLog, GroundTruth]:
     moves = (drawing.object_goal != drawing.object_xy).any()
     object_paths = carried(drawing.object_xy, drawing.object_goal, len(path)) if moves else None
     expected = len(visible_objects(world, path, sensor, object_paths)[0]) + drawing.clutter_rate * len(path)
-    if expected > MAX_SIGHTINGS:
+    if expected > MAX_OBSERVATIONS:
         hint = "draw a shorter path or fewer objects"
-        raise ValueError(f"sightings: expected at most {MAX_SIGHTINGS}, got about {expected:.0f}; {hint}")
+        raise ValueError(f"sightings: expected at most {MAX_OBSERVATIONS}, got about {expected:.0f}; {hint}")
     return simulate_run(world, path, sensor, np.random.default_rng(int(drawing.seed)), object_paths)
 
 

@@ -17,7 +17,7 @@ QUARTER = np.pi / 2
 TRUE_STEPS = np.array([[2.0, 0, 0], [2.0, 0, QUARTER], [2.0 - SLIP, 0, QUARTER], [2.0, 0, QUARTER], [1.2, 0, -QUARTER]])
 OBJECT_XY = np.array([[1.2, 1.1], [1.2, 0.4], [2.8, 0.6], [0.6, 0.2]])  # m: chair A, chair B, the screen, the cup
 OBJECT_CLASS = np.array([0, 0, 1, 2])
-SIGHTINGS = (  # Obj_1 ..: (pose, object); the last one is not there at all
+SEEN = (  # Obj_1 ..: (pose, object); the last one is not there at all
     (0, 0),
     (0, 1),
     (1, 2),
@@ -48,7 +48,7 @@ def toy_objects() -> tuple[RobotLog, GroundTruth]:
     poses = se2.dead_reckoning(TRUE_STEPS)
     odometry = TRUE_STEPS.copy()
     odometry[2, 0] += SLIP
-    time, obj = np.array(SIGHTINGS).T
+    time, obj = np.array(SEEN).T
     xy = se2.apply_inverse(poses[time], OBJECT_XY[obj])
     log = RobotLog(
         odometry=odometry,

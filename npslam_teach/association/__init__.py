@@ -1,9 +1,9 @@
 """Which object is it? Association of observations with objects, the trajectory and the map held still.
 
 ``likelihood`` has the rule of the paper for one observation: begin there. ``sweep`` asks all observations in turn,
-plainly and fast; ``radius_search`` is the machinery of the fast one. ``dirichlet_process`` says how probable a new
-object is, ``class_votes`` what an object is, ``objective`` which number the alternation lowers, ``partitions`` what can
-be done with labels alone.
+plainly and fast, ``exclusive`` frame by frame; ``radius_search`` is the machinery of the fast one.
+``dirichlet_process`` says how probable a new object is, ``class_votes`` what an object is, ``objective`` which number
+the alternation lowers, ``partitions`` what can be done with labels alone.
 """
 
 from npslam_teach.association.class_votes import (
@@ -20,6 +20,7 @@ from npslam_teach.association.dirichlet_process import (
     require_alpha,
     reweight,
 )
+from npslam_teach.association.exclusive import exclusive_sweep
 from npslam_teach.association.likelihood import (
     PAPER_ALPHA,
     PAPER_KERNEL_STD,
@@ -43,6 +44,7 @@ __all__ = [
     "class_posterior",
     "count_votes",
     "decide",
+    "exclusive_sweep",
     "expected_num_objects",
     "false_positives",
     "all_partitions",

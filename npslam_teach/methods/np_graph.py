@@ -11,6 +11,7 @@ from npslam_teach import se2
 from npslam_teach.association import (
     PAPER_ALPHA,
     PAPER_KERNEL_STD,
+    exclusive_sweep,
     false_positives,
     require_rule,
     sweep,
@@ -35,6 +36,7 @@ def np_graph(
     observation_std=PAPER_OBSERVATION_STD,
     area: float = 1.0,
     false_positive_threshold: float = 0.5,
+    exclusive: bool = False,
 ) -> Iterator[Snapshot]:
     """Find associations, number of objects, map and trajectory together.
 
@@ -50,6 +52,7 @@ def np_graph(
         area: m^2, for the objective only.
         false_positive_threshold: epsilon; 0.5, the authors' simulation, keeps every object (see
             ``association.false_positives``).
+        exclusive: whether two observations of one frame are always of two objects; the paper's rule is without.
 
     Yields:
         the frame-by-frame start, then one snapshot per alternation, and one more if false positives were removed (its
@@ -61,7 +64,7 @@ def np_graph(
     yield current
     for iteration in range(1, int(iterations) + 1):
         # Half a step: who is who, the trajectory and the map held still.
-        labels, graph = associate_anew(log, current, alpha, threshold, kernel_std, order, observation_std)
+        labels, graph = associate_anew(log, current, alpha, threshold, kernel_std, order, observation_std, exclusive)
         # The other half: where everything is, the associations held still.
         same = _same_partition(current.labels, labels)
         current = snapshot(log, iteration, labels, optimize(graph), alpha, area)
@@ -81,6 +84,7 @@ def associate_anew(
     kernel_std: float = PAPER_KERNEL_STD,
     order: str | np.ndarray = "last-to-first",
     observation_std=PAPER_OBSERVATION_STD,
+    exclusive: bool = False,
 ) -> tuple[np.ndarray, PoseGraph]:
     """The first half of an alternation: one sweep, the trajectory and the map held still.
 
@@ -90,8 +94,11 @@ def associate_anew(
         (M,) labels, and the graph tied to them that the second half is to solve.
     """
     obs_xy_world = se2.apply(current.graph.poses[log.obs_time], log.obs_xy)
-    landmarks = current.graph.landmarks
-    found = sweep(current.labels, landmarks, obs_xy_world, log.obs_class, alpha, threshold, kernel_std, order)
+    present = current.labels, current.graph.landmarks, obs_xy_world, log.obs_class
+    if exclusive:
+        found = exclusive_sweep(*present, log.obs_time, alpha, threshold, kernel_std, order)
+    else:
+        found = sweep(*present, alpha, threshold, kernel_std, order)
     return found.labels, with_associations(log, current.graph, found.labels, found.landmarks, observation_std)
 
 

@@ -5,7 +5,6 @@ import time
 from contextlib import nullcontext
 from pathlib import Path
 
-from npslam_teach import experiments
 from npslam_teach.cli import reports
 from npslam_teach.cli.checkout import ROOT, folder_named
 
@@ -24,16 +23,21 @@ def solve(options) -> int:
     import numpy as np
 
     from npslam_teach import datasets, simulate
+    from npslam_teach.cli import solving
     from npslam_teach.system import files
 
-    settings = _settings(options.method, alpha=options.alpha, threshold=options.threshold)
+    solving.require_options(options)
     write = _writer(options.out, (".json", ".g2o"))
     log, truth = datasets.load_log(options.log)
     with files.prefix_errors(options.log):
         if options.noise != 0:
             log = simulate.add_noise(log, options.noise, np.random.default_rng(options.seed))
-        run = experiments.run_method(options.method, log, settings)
+        settings = solving.settings_of(options, log)
+        run, restarts = solving.run(options, log, settings)
         result = reports.solve_result(run, truth)
+    result["settings"] = {"name": solving.settings_name(options)} | settings
+    result["settled"], result["restarts"] = solving.settled(run, settings), restarts
+    solving.remarks(options, log, settings, run)
     write(result, run.snapshots[-1].graph)
     _print(result if options.json else reports.solve_text(result), options.json)
     return 0
@@ -74,14 +78,14 @@ def optimize(options) -> int:
 
     write = _writer(options.out, (".g2o",))
     graph = datasets.load_g2o(options.graph)
-    seconds = []
     _warm_up_solver()
     with files.prefix_errors(options.graph):
-        for _ in tqdm(range(options.repeat or 1), desc="optimize", unit="run", delay=2, leave=False):
+        optimum = pose_graph.certified_minimum(graph, options.tolerance)
+        seconds = [optimum.seconds]
+        for _ in tqdm(range(1, options.repeat or 1), desc="optimize", unit="run", delay=2, leave=False):
             begin = time.perf_counter()
             pose_graph.minimize(graph, options.tolerance)
             seconds.append(time.perf_counter() - begin)
-        optimum = pose_graph.certified_minimum(graph, options.tolerance)
     result = reports.optimize_result(optimum, pose_graph.chi2(graph), seconds if options.repeat else seconds[0])
     write(result, optimum.graph)
     _print(result if options.json else reports.optimize_text(result), options.json)
@@ -109,18 +113,6 @@ def _warm_up_solver() -> None:
     nothing = types.ObservationFactors([], [], np.zeros((0, 2)), np.zeros((0, 2, 2)))
     poses = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]
     pose_graph.certified_minimum(types.PoseGraph(poses, np.zeros((0, 2)), steps, nothing))
-
-
-def _settings(method: str, **wanted) -> dict:
-    """The settings that were given; fails in one sentence where the method has no such thing."""
-    from npslam_teach.methods import METHODS
-
-    known = METHODS[method].settings
-    given = {name: value for name, value in wanted.items() if value is not None}
-    for name, value in given.items():
-        if name not in known:
-            raise ValueError(f"--{name}: expected a method that has it, got {method} (and --{name} {value:g})")
-    return given
 
 
 def _writer(out: str | None, suffixes: tuple):

@@ -8,18 +8,9 @@ import argparse
 import os
 import sys
 import warnings
-from collections.abc import Iterator
 
 from npslam_teach import __version__
-
-
-class _MethodNames:
-    """The names in the registry, read when one is given or listed: other commands' ``--help`` needs no NumPy."""
-
-    def __iter__(self) -> Iterator[str]:
-        from npslam_teach.methods import METHODS
-
-        return iter(METHODS)
+from npslam_teach.cli.option_types import MethodNames, count, index, methods, number, numbers, port
 
 
 class _Parser(argparse.ArgumentParser):
@@ -46,6 +37,7 @@ def main(arguments: list[str] | None = None) -> int:
 
     try:
         with warnings.catch_warnings():
+            warnings.simplefilter("always", UserWarning)
             warnings.showwarning = say_warning
             code = _function_of(options.command)(options) or 0
         sys.stdout.flush()
@@ -103,7 +95,7 @@ def _add(subparsers, name: str, text: str) -> argparse.ArgumentParser:
 
 def _add_lab(subparsers) -> None:
     lab = _add(subparsers, "lab", "open the course in JupyterLab, on this machine only")
-    lab.add_argument("--port", type=_port, help="the port to listen on (default: the first free one from 8888)")
+    lab.add_argument("--port", type=port, help="the port to listen on (default: the first free one from 8888)")
     lab.add_argument("--no-browser", action="store_true", help="print the address instead of opening it")
 
 
@@ -126,13 +118,13 @@ def _add_bench(subparsers) -> None:
 def _add_reproduce(subparsers) -> None:
     reproduce = _add(subparsers, "reproduce", "run the paper's simulation with every method and compare them")
     reproduce.add_argument("--data", metavar="FILE", help="a log with truth, such as the authors' simulation.mat")
-    reproduce.add_argument("--noise", type=_number, default=1.0, metavar="S", help="1 is the paper's (default)")
-    reproduce.add_argument("--seeds", type=_count, default=1, metavar="N", help="how many runs (default 1)")
-    reproduce.add_argument("--first-seed", type=_index, metavar="K", help="default 0; a single run of our scene: 2016")
-    reproduce.add_argument("--methods", type=_methods, metavar="A,B", help="default: all")
+    reproduce.add_argument("--noise", type=number, default=1.0, metavar="S", help="1 is the paper's (default)")
+    reproduce.add_argument("--seeds", type=count, default=1, metavar="N", help="how many runs (default 1)")
+    reproduce.add_argument("--first-seed", type=index, metavar="K", help="default 0; a single run of our scene: 2016")
+    reproduce.add_argument("--methods", type=methods, metavar="A,B", help="default: all")
     reproduce.add_argument(
         "--iterations",
-        type=_count,
+        type=count,
         default=8,
         metavar="N",
         help="alternations at most (default 8; the paper ran 5)",
@@ -144,25 +136,44 @@ def _add_reproduce(subparsers) -> None:
 def _add_solve(subparsers) -> None:
     solve = _add(subparsers, "solve", "run one method on a robot log")
     solve.add_argument("log", metavar="LOG", help="a .npz log or one of the authors' .mat files")
-    names = _MethodNames()
+    names = MethodNames()
     solve.add_argument("--method", choices=names, default="np-graph", metavar="NAME", help="%(choices)s")
-    solve.add_argument(
-        "--alpha", type=_number, metavar="A", help="concentration of the Dirichlet process (default 0.9)"
-    )
-    solve.add_argument("--threshold", type=_number, metavar="P", help="accept the best match above this probability")
-    solve.add_argument("--noise", type=_number, default=0.0, metavar="S", help="noise to add first; 1 is the paper's")
-    solve.add_argument("--seed", type=_index, default=0, metavar="K", help="of that noise (default 0)")
+    solve.add_argument("--alpha", type=number, metavar="A", help="concentration of the Dirichlet process (default 0.9)")
+    solve.add_argument("--threshold", type=number, metavar="P", help="accept the best match above this probability")
+    _add_settings(solve)
+    text = "np-graph: visit observations in so many orders, keep the lowest objective (default 1)"
+    solve.add_argument("--restarts", type=count, default=1, metavar="N", help=text)
+    solve.add_argument("--filter-only", action="store_true", help="ekf: the raw filter, not smoothed at the end")
+    solve.add_argument("--noise", type=number, default=0.0, metavar="S", help="noise to add first; 1 is the paper's")
+    solve.add_argument("--seed", type=index, default=0, metavar="K", help="of that noise (default 0)")
     solve.add_argument("--out", metavar="FILE", help="write the result as .json, or its graph as .g2o")
     _add_json(solve)
+
+
+def _add_settings(solve) -> None:
+    """Everything that a method can be asked for; what it does not have is refused."""
+    text = "constants of the paper, or scaled to the log's own noise (default: sensor; for .mat files paper)"
+    solve.add_argument("--settings", choices=("paper", "sensor"), help=text)
+    solve.add_argument("--kernel-std", type=number, metavar="M", help="width of the association kernel, m")
+    text = "what the solver assumes per step: m,m,rad"
+    solve.add_argument("--odometry-std", type=numbers(3), metavar="X,Y,T", help=text)
+    solve.add_argument("--observation-std", type=numbers(2), metavar="X,Y", help="and per observation: m,m")
+    solve.add_argument("--area", type=number, metavar="A", help="of the room, m^2, for the objective")
+    orders = ("last-to-first", "first-to-last")
+    solve.add_argument("--order", choices=orders, help="in which observations are visited (default last-to-first)")
+    solve.add_argument("--iterations", type=count, metavar="N", help="alternations at most (default 5)")
+    solve.add_argument("--gate", type=number, metavar="P", help="ekf: the share of right matches to let through")
+    text = "np-graph: whether two observations of one frame are always of two objects"
+    solve.add_argument("--exclusive", action=argparse.BooleanOptionalAction, default=None, help=text)
 
 
 def _add_optimize(subparsers) -> None:
     optimize = _add(subparsers, "optimize", "solve a pose graph")
     optimize.add_argument("graph", metavar="GRAPH.g2o", help="a 2-D pose graph")
     optimize.add_argument("--out", metavar="FILE", help="write the solution as .g2o, vertices numbered anew")
-    optimize.add_argument("--repeat", type=_count, metavar="N", help="solve N times and list the seconds")
+    optimize.add_argument("--repeat", type=count, metavar="N", help="solve N times and list the seconds")
     text = "stop when a step lowers chi2 by less than this share (default 1e-9)"
-    optimize.add_argument("--tolerance", type=_number, default=1e-9, metavar="R", help=text)
+    optimize.add_argument("--tolerance", type=number, default=1e-9, metavar="R", help=text)
     _add_json(optimize)
 
 
@@ -196,39 +207,3 @@ def _add_assignment(subparsers) -> None:
 
 def _add_json(parser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
-
-
-def _number(text: str) -> float:
-    """Any number; its range is the business of whoever uses it. Fails with one sentence."""
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"expected a number, got {text!r}") from None
-
-
-def _index(text: str) -> int:
-    return _integer(text, 0)
-
-
-def _count(text: str) -> int:
-    return _integer(text, 1)
-
-
-def _port(text: str) -> int:
-    return _integer(text, 1, 65_535)
-
-
-def _integer(text: str, least: int, most: int = 1_000_000) -> int:
-    if not (text.isascii() and text.isdigit() and len(text) < 20 and least <= int(text) <= most):
-        raise argparse.ArgumentTypeError(f"expected a whole number from {least} to {most}, got {text!r}")
-    return int(text)
-
-
-def _methods(text: str) -> list[str]:
-    names, known = text.split(","), list(_MethodNames())
-    for name in names:
-        if name not in known:
-            raise argparse.ArgumentTypeError(f"expected some of {', '.join(known)}, got {name!r}")
-    if len(set(names)) < len(names):
-        raise argparse.ArgumentTypeError(f"expected each method once, got {text!r}")
-    return names

@@ -58,9 +58,16 @@ def load_g2o(path) -> PoseGraph:
         observations=_edges(path, rows[b"EDGE_SE2_XY"], pose_index, landmark_index, 2, ObservationFactors),
         fixed_poses=fixed_poses,
         fixed_landmarks=fixed_landmarks,
-        pose_ids=tuple(pose_index),
-        landmark_ids=tuple(landmark_index),
+        **_ids_of(pose_index, landmark_index),
     )
+
+
+def _ids_of(pose_index: dict, landmark_index: dict) -> dict:
+    """What the graph keeps: nothing where the ids are those that ``save_g2o`` gives anyway."""
+    ids = [*pose_index, *landmark_index]
+    if ids == list(range(len(ids))):
+        return {}
+    return {"pose_ids": tuple(pose_index), "landmark_ids": tuple(landmark_index)}
 
 
 def save_g2o(path, graph: PoseGraph) -> None:

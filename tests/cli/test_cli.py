@@ -10,6 +10,7 @@ import time
 import urllib.error
 import urllib.request
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ import pytest
 
 from npslam_teach import datasets, pose_graph, simulate
 from npslam_teach.cli import checkout, commands, parser
-from npslam_teach.methods import METHODS
+from npslam_teach.methods import METHODS, paper_settings, settings_for
 
 ROOT = Path(__file__).parents[2]
 
@@ -104,7 +105,12 @@ SOLVE_FIELDS = {
     "objective",
     "seconds",
     "metrics",
+    "quality",
+    "restarts",
+    "settings",
+    "settled",
 }
+ONLY_SOLVE = {"labels", "poses", "objects", "quality", "restarts", "settings", "settled"}
 METRICS = {
     "mean_pose_error",
     "rmse_pose_error",
@@ -143,7 +149,7 @@ def test_solve_prints_one_json_object(capsys, log_file, method):
 def test_solve_agrees_with_the_library(capsys, log_file):
     _, out, _ = call(capsys, "solve", log_file, "--alpha", "0.5", "--threshold", "0.3", "--json")
     log, _ = datasets.load_log(log_file)
-    *_, last = METHODS["np-graph"](log, alpha=0.5, threshold=0.3)
+    *_, last = METHODS["np-graph"](log, alpha=0.5, threshold=0.3, **settings_for(log))
     result = json.loads(out)
     assert result["labels"] == last.labels.tolist()
     assert result["chi2"] == last.chi2
@@ -157,7 +163,76 @@ def test_solve_without_truth_has_no_metrics(capsys, tmp_path):
     assert set(json.loads(out)) == SOLVE_FIELDS - {"metrics"}
     code, out, _ = call(capsys, "solve", tmp_path / "blind.npz")
     assert code == 0
-    assert "no truth" in out
+    assert "no truth" in out and "valid objects" in out and "nan" not in out
+
+
+@pytest.mark.parametrize("settings", ["paper", "sensor"])
+def test_what_was_used_stands_in_the_answer(capsys, log_file, settings):
+    _, out, _ = call(capsys, "solve", log_file, "--settings", settings, "--kernel-std", "0.25", "--json")
+    log, _ = datasets.load_log(log_file)
+    used = {"paper": paper_settings(), "sensor": settings_for(log)}[settings] | {"kernel_std": 0.25}
+    assert json.loads(out)["settings"] == {"name": settings} | json.loads(json.dumps(used))
+    _, out, _ = call(capsys, "solve", log_file, "--settings", settings, "--no-exclusive")
+    assert f"settings              {settings}, kernel-std " in out and "observations one by one" in out
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_log_in_other_units_has_the_same_answer(capsys, tmp_path, method):
+    """Everything that is a length, standard deviations too, times ten: the same labels, a path ten times as long."""
+    log, truth = small_log()
+    scale = np.array([10.0, 10.0, 1.0])
+    stds = {"odometry_std": log.odometry_std * scale, "observation_std": log.observation_std * 10}
+    larger = replace(log, odometry=log.odometry * scale, obs_xy=log.obs_xy * 10, **stds)
+    world = replace(truth.world, object_xy=truth.world.object_xy * 10)
+    datasets.save_log(tmp_path / "small.npz", log, truth)
+    datasets.save_log(tmp_path / "large.npz", larger, replace(truth, world=world, poses=truth.poses * scale))
+    small, large = (
+        json.loads(call(capsys, "solve", tmp_path / name, "--method", method, "--json")[1])
+        for name in ("small.npz", "large.npz")
+    )
+    assert small["labels"] == large["labels"]
+    np.testing.assert_allclose(np.array(small["poses"]) * scale, large["poses"], atol=1e-8)
+    assert small["chi2"] == pytest.approx(large["chi2"], rel=1e-6, abs=1e-12)
+    assert 10 * small["metrics"]["mean_pose_error"] == pytest.approx(large["metrics"]["mean_pose_error"], rel=1e-6)
+
+
+def test_an_alternation_that_was_cut_short_says_so(capsys, log_file):
+    _, out, err = call(capsys, "solve", log_file, "--iterations", "1", "--json")
+    assert json.loads(out)["settled"] is False and "stopped after 1 iterations while labels were still" in err
+    _, out, err = call(capsys, "solve", log_file, "--iterations", "20", "--json")
+    assert json.loads(out)["settled"] is True and err == ""
+    _, out, _ = call(capsys, "solve", log_file, "--method", "open-loop", "--json")
+    assert json.loads(out)["settled"] is None
+
+
+def test_a_threshold_that_can_merge_nothing_says_so(capsys, log_file):
+    _, out, err = call(capsys, "solve", log_file, "--threshold", "0.6", "--json")
+    assert "--threshold 0.6: expected less than 0.526" in err
+    assert "nothing was merged: every observation is an object of its own" in err
+    assert json.loads(out)["num_objects"] == json.loads(out)["num_observations"]
+
+
+def test_restarts_keep_the_lowest_objective(capsys, log_file):
+    result, again = (
+        json.loads(call(capsys, "solve", log_file, "--restarts", "5", "--json")[1]) | {"seconds": 0} for _ in range(2)
+    )
+    assert result == again
+    assert len(result["restarts"]) == 5
+    assert result["objective"] == min(each["objective"] for each in result["restarts"])
+    _, out, _ = call(capsys, "solve", log_file, "--restarts", "5")
+    assert "restarts              5 orders: " in out
+    assert_one_sentence(*call(capsys, "solve", log_file, "--restarts", "5", "--method", "ekf"), "--order", "ekf")
+
+
+def test_the_filter_ends_with_the_smoothed_graph(capsys, log_file):
+    smoothed, raw = (
+        json.loads(call(capsys, "solve", log_file, "--method", "ekf", "--json", *more)[1])
+        for more in ((), ("--filter-only",))
+    )
+    assert smoothed["labels"] == raw["labels"] and smoothed["chi2"] <= raw["chi2"]
+    log, _ = datasets.load_log(log_file)
+    best = pose_graph.fit(log, np.array(raw["labels"]), np.array(raw["poses"]))
+    assert smoothed["chi2"] == pytest.approx(pose_graph.chi2(best), rel=1e-9)
 
 
 def test_nan_becomes_null(capsys, log_file):
@@ -255,7 +330,7 @@ def test_reproduce_prints_one_json_object(capsys):
         (1, "open-loop"),
         (1, "np-graph"),
     ]
-    assert set(result["runs"][0]) == SOLVE_FIELDS - {"labels", "poses", "objects"} | {"seed", "noise"}
+    assert set(result["runs"][0]) == SOLVE_FIELDS - ONLY_SOLVE | {"seed", "noise"}
     assert set(result["summary"]) == {"open-loop", "np-graph"}
     counts = [row["counts_per_iteration"][-1] for row in result["runs"] if row["method"] == "np-graph"]
     assert result["summary"]["np-graph"]["num_exact"] == counts.count(15)

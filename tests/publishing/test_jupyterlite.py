@@ -340,8 +340,8 @@ def test_the_kernel_starts_and_imports_our_wheel_from_the_site(tab, pyodide_fold
         pytest.skip("NPSLAM_TEACH_PYODIDE is not set")
     tab.wait_for_selector(".jp-Notebook-ExecutionIndicator[data-status=idle]", timeout=120_000)
     # Without its dependencies: NumPy's wheel is not in the folder.
-    code = "import piplite\nawait piplite.install('npslam_teach', deps=False)\nfrom npslam_teach import cli\n"
-    code += "import sys\nprint(sys.platform, cli.build_parser().prog)"
+    code = "import piplite\nawait piplite.install('npslam_teach', deps=False)\nfrom npslam_teach.cli import parser\n"
+    code += "import sys\nprint(sys.platform, parser.build_parser().prog)"
     tab.click(".jp-CodeCell .cm-content")
     tab.keyboard.press("Control+a")
     tab.keyboard.insert_text(code)

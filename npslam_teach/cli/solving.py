@@ -1,0 +1,103 @@
+"""The command ``solve``: which settings a method gets, how often it is run, and what is said of the answer."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+from npslam_teach import experiments
+from npslam_teach.association import PAPER_ALPHA
+from npslam_teach.methods import METHODS, paper_settings, settings_for
+from npslam_teach.methods.snapshots import snapshot
+from npslam_teach.pose_graph import fit
+from npslam_teach.types import RobotLog
+
+GIVEN = "alpha threshold kernel_std odometry_std observation_std area order iterations gate".split()
+
+
+def settings_name(options) -> str:
+    """Paper or sensor: as asked for, or the paper's own for its own files."""
+    return options.settings or ("paper" if Path(options.log).suffix.lower() == ".mat" else "sensor")
+
+
+def settings_of(options, log: RobotLog) -> dict:
+    """The settings that the method is called with.
+
+    Raises:
+        ValueError: for an option that the method does not have.
+    """
+    known = METHODS[options.method].settings
+    base = paper_settings() if settings_name(options) == "paper" else settings_for(log)
+    if options.exclusive is not None:
+        base["exclusive"] = options.exclusive
+        _require(known, options.method, "exclusive")
+    # A default of None means the log's own noise, which no scale changes.
+    settings = {name: value for name, value in base.items() if known.get(name) is not None}
+    for name in GIVEN:
+        if getattr(options, name) is not None:
+            _require(known, options.method, name)
+            settings[name] = getattr(options, name)
+    return settings
+
+
+def require_options(options) -> None:
+    """Raise ``ValueError`` for an option that the method does not have, before any file is read."""
+    for name in [*GIVEN, "exclusive"]:
+        if getattr(options, name) is not None:
+            _require(METHODS[options.method].settings, options.method, name)
+    if options.restarts > 1:
+        _require(METHODS[options.method].settings, options.method, "order")
+        if options.order is not None:
+            raise ValueError("--restarts: expected no --order beside it, because every restart has an order of its own")
+
+
+def run(options, log: RobotLog, settings: dict) -> tuple[experiments.Run, list[dict]]:
+    """The run with the lowest objective among all restarts, and what every restart came to."""
+    orders = [None] + [np.random.default_rng([options.seed, k]) for k in range(1, options.restarts)]
+    best, restarts = None, []
+    for rng in orders:
+        order = {} if rng is None else {"order": rng.permutation(log.num_observations)}
+        attempt = experiments.run_method(options.method, log, settings | order)
+        last = attempt.snapshots[-1]
+        restarts.append({"num_objects": last.num_objects, "objective": last.objective})
+        if best is None or last.objective < best.snapshots[-1].objective:
+            best = attempt
+    if options.method == "ekf" and not options.filter_only:
+        last = best.snapshots[-1]
+        best.snapshots.append(snapshot(log, 2, last.labels, fit(log, last.labels, last.graph.poses)))
+    return best, restarts
+
+
+def remarks(options, log: RobotLog, settings: dict, found: experiments.Run) -> None:
+    """Warn of what a reader would otherwise take for an answer."""
+    last, alpha = found.snapshots[-1], settings.get("alpha", PAPER_ALPHA)
+    if settled(found, settings) is False:
+        text = f"stopped after {len(found.snapshots) - 1} iterations while labels were still changing; see --iterations"
+        warnings.warn(text, stacklevel=2)
+    threshold, most = settings.get("threshold"), 1 / (1 + alpha)  # of the probability that two observations are one
+    if options.method == "np-graph" and threshold is not None and threshold >= most:
+        text = f"--threshold {threshold:g}: expected less than {most:.3f}, the most that two observations can reach"
+        warnings.warn(f"{text}; nothing can be merged", stacklevel=2)
+    if options.method != "frame-by-frame" and last.num_objects == log.num_observations > 1:
+        warnings.warn("nothing was merged: every observation is an object of its own", stacklevel=2)
+
+
+def settled(found: experiments.Run, settings: dict) -> bool | None:
+    """Whether an alternation ended because no label changed any more; None for methods that do not alternate."""
+    known = METHODS[found.method].settings
+    if "iterations" not in known:
+        return None
+    if len(found.snapshots) - 1 < settings.get("iterations", known["iterations"]):
+        return True
+    return len(found.snapshots) > 1 and _same(found.snapshots[-2].labels, found.snapshots[-1].labels)
+
+
+def _same(labels: np.ndarray, other: np.ndarray) -> bool:
+    pairs = np.unique(np.column_stack([labels, other]), axis=0)
+    return len(pairs) == len(np.unique(labels)) == len(np.unique(other))
+
+
+def _require(known: dict, method: str, name: str) -> None:
+    if name not in known:
+        option = name.replace("_", "-")
+        raise ValueError(f"--{option}: expected a method that has it, got {method}")

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 
-from npslam_teach.datasets.g2o import load_g2o
 from npslam_teach.datasets.mat_files import read_mat
 from npslam_teach.datasets.mu2016 import (
     MAX_CLASSES,
@@ -23,7 +22,7 @@ from npslam_teach.system.files import atomic_write, prefix_errors, read_bytes, s
 from npslam_teach.types import GroundTruth, RobotLog, World
 from npslam_teach.validation import checked_array
 
-__all__ = ["load_g2o", "load_log", "save_log"]
+__all__ = ["load_log", "save_log"]
 
 LOG_FIELDS = ("odometry", "obs_time", "obs_xy", "obs_class", "num_classes", "odometry_std", "observation_std")
 TRUTH_FIELDS = ("true_poses", "true_object", "object_xy", "object_class")

@@ -112,6 +112,7 @@ MAY_BE_MISSING = (
     "result.metrics.mean_object_error",
     "result.quality.position_variance",
     "result.settled",
+    "result.smallest_eigenvalue",
 )
 
 

@@ -41,7 +41,8 @@ def test(options) -> int:
         what = ["tests", "notebooks"]
     if any((ROOT / word.split("::")[0]).exists() for word in options.extra):
         what = []  # the further arguments say it
-    workers = ["-n", str(min(os.cpu_count() or 1, 8)), "--dist", "loadscope"]
+    # One more than there are processors: much of the time a test waits for a browser or a kernel.
+    workers = ["-n", str(min((os.cpu_count() or 1) + 1, 8)), "--dist", "loadscope"]
     return _run_module(["pytest", *workers, *how, *what, *options.extra])
 
 

@@ -696,7 +696,7 @@ def test_test_hands_its_arguments_to_pytest(monkeypatch):
     assert started[0][-3:] == ["tests/test_se2.py", "-k", "wrap"]
     assert "--nbval" in started[0] and "tests" not in started[0]
     assert parser.main(["test", "-k", "wrap"]) == 5
-    assert started[1][-4:] == ["tests", "notebooks", "-k", "wrap"]
+    assert started[1][-4:] == ["notebooks", "tests", "-k", "wrap"]
 
 
 @pytest.mark.slow
@@ -705,7 +705,11 @@ def test_a_quick_test_is_of_the_mathematics_the_files_and_the_command_line(monke
     monkeypatch.setattr(checkout, "_run_module", lambda arguments: started.append(arguments) or 0)
     assert parser.main(["test", "--quick"]) == 0
     command = [sys.executable, "-m", *started[0], "--collect-only", "-q", "-p", "no:xdist"]
-    command = [word for word in command if word not in ("-n", "--dist", "loadscope") and not word.isdigit()]
+    command = [
+        word
+        for word in command
+        if word not in ("-n", "--dist", "loadscope", "--no-loadscope-reorder") and not word.isdigit()
+    ]
     collected = subprocess.run(command, cwd=commands.ROOT, capture_output=True, text=True, check=True).stdout
     files = {line.split("::")[0] for line in collected.splitlines() if "::" in line}
     expected = {

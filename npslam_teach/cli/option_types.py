@@ -1,16 +1,20 @@
 """What the options of the command line are made of: each fails with one sentence that says what was expected."""
 
 import argparse
-from collections.abc import Iterator
 
 
-class MethodNames:
-    """The names in the registry, read when one is given or listed: other commands' ``--help`` needs no NumPy."""
+def method(text: str) -> str:
+    """The name of a method; names are read only when one is given, for other commands need no NumPy."""
+    if text not in method_names():
+        raise argparse.ArgumentTypeError(f"expected one of {', '.join(method_names())}, got {text!r}")
+    return text
 
-    def __iter__(self) -> Iterator[str]:
-        from npslam_teach.methods import METHODS
 
-        return iter(METHODS)
+def method_names() -> list[str]:
+    """All names in the registry."""
+    from npslam_teach.methods import METHODS
+
+    return list(METHODS)
 
 
 def number(text: str) -> float:
@@ -56,7 +60,7 @@ def numbers(how_many: int):
 
 def methods(text: str) -> list[str]:
     """Names of methods with commas between them, each once."""
-    names, known = text.split(","), list(MethodNames())
+    names, known = text.split(","), method_names()
     for name in names:
         if name not in known:
             raise argparse.ArgumentTypeError(f"expected some of {', '.join(known)}, got {name!r}")

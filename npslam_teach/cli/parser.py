@@ -10,11 +10,18 @@ import sys
 import warnings
 
 from npslam_teach import __version__
-from npslam_teach.cli.option_types import MethodNames, count, index, methods, number, numbers, port
+from npslam_teach.cli.option_types import count, index, method, method_names, methods, number, numbers, port
 
 
 class _Parser(argparse.ArgumentParser):
     """A parser that says what is wrong in one line; ``--help`` has the rest."""
+
+    names_of_methods = None  # of a command that has methods; asked for only when its help is printed
+
+    def format_help(self) -> str:
+        if self.names_of_methods is not None:
+            self.epilog = f"Methods: {', '.join(self.names_of_methods())}."
+        return super().format_help()
 
     def error(self, message: str):
         self.exit(2, f"{self.prog}: {message}\n")
@@ -136,8 +143,8 @@ def _add_reproduce(subparsers) -> None:
 def _add_solve(subparsers) -> None:
     solve = _add(subparsers, "solve", "run one method on a robot log")
     solve.add_argument("log", metavar="LOG", help="a .npz log or one of the authors' .mat files")
-    names = MethodNames()
-    solve.add_argument("--method", choices=names, default="np-graph", metavar="NAME", help="%(choices)s")
+    solve.names_of_methods = method_names
+    solve.add_argument("--method", type=method, default="np-graph", metavar="NAME", help="see below; default np-graph")
     solve.add_argument("--alpha", type=number, metavar="A", help="concentration of the Dirichlet process (default 0.9)")
     solve.add_argument("--threshold", type=number, metavar="P", help="accept the best match above this probability")
     _add_settings(solve)

@@ -31,6 +31,7 @@ def table(out, columns):
     return [row for row in cells if len(row) == columns and not row[0].startswith(("problem", "---", "rooms", "--"))]
 
 
+@pytest.mark.slow
 def test_all_that_is_installed_finds_the_same_minimum(results):
     _, out = results
     rows = table(out, 10)

@@ -10,10 +10,11 @@ from lab_server import LARGE_WINDOW, copy_of_the_course, new_context, running_ch
 
 
 def pytest_collection_modifyitems(items):
-    """All tests of this folder need a browser."""
+    """All tests of this folder need a browser, and most take their time."""
     for item in items:
         if Path(__file__).parent in item.path.parents:
             item.add_marker("browser")
+            item.add_marker("slow")
 
 
 @pytest.fixture(scope="module")

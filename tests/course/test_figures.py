@@ -9,6 +9,8 @@ from npslam_teach.cli import parser
 from npslam_teach.course import all_figures
 from npslam_teach.course.fifteen_objects import figures
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory):

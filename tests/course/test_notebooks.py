@@ -220,6 +220,7 @@ ON_THE_AUTHORS_DATA = {
 }
 
 
+@pytest.mark.slow
 def test_every_lesson_on_the_authors_data(notebook, path, data_folder):
     """Run with the file in place of None, as a reader does who has fetched it."""
     tagged = [cell for cell in code_cells(notebook) if "authors-file" in cell.metadata.get("tags", [])]

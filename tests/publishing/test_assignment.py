@@ -19,6 +19,8 @@ from npslam_teach.cli import parser
 from npslam_teach.course import checking
 from npslam_teach.publishing import assignments, solution_cells
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 NOTEBOOKS = ROOT / "notebooks"
 LESSONS = sorted(assignments.lessons_with_exercises(NOTEBOOKS))

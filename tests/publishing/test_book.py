@@ -274,6 +274,7 @@ def browser():
         pytest.skip(str(error))
 
 
+@pytest.mark.slow
 def test_the_book_prints_to_pdf(tmp_path, browser, capsys):
     assert parser.main(["book", "--out", str(tmp_path / "book.pdf"), "--browser", browser]) == 0
     content = (tmp_path / "book.pdf").read_bytes()

@@ -100,6 +100,7 @@ def without_results(path):
     return [(cell.id, cell.cell_type, cell.source, cell.metadata.get("tags", [])) for cell in notebook.cells]
 
 
+@pytest.mark.slow
 @needs_git
 def test_running_a_lesson_changes_nothing_but_its_outputs(upstream):
     lesson = upstream / "notebooks" / "02_drift.ipynb"

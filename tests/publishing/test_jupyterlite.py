@@ -25,6 +25,8 @@ from packaging.requirements import Requirement
 from npslam_teach.cli import parser
 from npslam_teach.publishing import jupyterlite, lessons
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "npslam_teach"
 PYODIDE = json.loads((Path(__file__).parents[1] / "pyodide.json").read_text(encoding="utf-8"))

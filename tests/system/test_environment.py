@@ -426,6 +426,7 @@ def call(root, *arguments):
     return run([sys.executable, "-S", "-m", "npslam_teach", *arguments], root)
 
 
+@pytest.mark.slow
 def test_from_a_bare_machine_to_an_exit_code(copy):
     first = call(copy, "solve", "a b.npz", "--json")
     assert first.returncode == 7 and "about a minute" in first.stderr

@@ -21,7 +21,10 @@ from npslam_teach import datasets, methods
 from npslam_teach.cli import parser
 from npslam_teach.system import interruption
 
-pytestmark = pytest.mark.skipif(os.name == "nt", reason="Windows has no way to send Ctrl-C to one process alone")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(os.name == "nt", reason="Windows has no way to send Ctrl-C to one process alone"),
+]
 
 # The command line as a process, from the moment on from which it answers Ctrl-C itself. Only the search for an
 # environment is left out: it could begin to install one.

@@ -111,7 +111,8 @@ def find_interpreter(environment: Environment) -> "Path | None":
         return None  # installed from a wheel, which brought its dependencies along
     if environment.is_current():
         if environment.is_stamped():
-            return None
+            # A terminal of ROS, for one, puts its own packages before those of any environment.
+            return environment.python if foreign_packages(environment.root) else None
     elif satisfies(environment.requirements):
         _show_to_children(environment.root)
         return None
@@ -211,7 +212,9 @@ def write_stamp(environment: Environment, digest: str) -> None:
 
 
 def start_over(python: Path, arguments: "list[str]") -> None:
-    """Run the course's command on another interpreter in place of this process."""
+    """Run the course's command on another interpreter in place of this process, with its own packages alone."""
+    for name in ("PYTHONPATH", "PYTHONHOME"):
+        os.environ.pop(name, None)
     replace_process([str(python), "-m", PACKAGE, *arguments])
 
 
@@ -224,6 +227,12 @@ def replace_process(command: "list[str]") -> None:
         while True:
             with contextlib.suppress(KeyboardInterrupt):
                 raise SystemExit(child.wait())
+
+
+def foreign_packages(root: Path) -> "list[str]":
+    """Name the folders beside this one in which PYTHONPATH looks for packages."""
+    paths = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    return [path for path in paths if path and not (os.path.isdir(path) and os.path.samefile(path, str(root)))]
 
 
 def _show_to_children(root: Path) -> None:

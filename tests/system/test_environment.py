@@ -123,7 +123,11 @@ def test_in_the_environment_itself_the_stamp_decides(course, pip, capfd, monkeyp
     env.set_up(course)
     del pip.calls[:]
     monkeypatch.setattr(sys, "prefix", str(course.folder))
+    monkeypatch.delenv("PYTHONPATH", raising=False)
     assert enter(course, capfd, monkeypatch)[1] == [] and pip.calls == []
+    monkeypatch.setenv("PYTHONPATH", "/opt/ros/lib")  # then it starts over without
+    assert enter(course, capfd, monkeypatch)[1] == [(course.python, ["solve"])] and pip.calls == []
+    monkeypatch.delenv("PYTHONPATH")
     course.stamp.unlink()
     assert enter(course, capfd, monkeypatch)[1] == [(course.python, ["solve"])] and "pip" in pip.calls
 
@@ -407,7 +411,8 @@ def copy(tmp_path):
     for name in STDLIB_ONLY:
         shutil.copy(ROOT / "npslam_teach" / name, root / "npslam_teach" / name)
     (root / "npslam_teach" / "cli" / "parser.py").write_text(
-        "import json, sys\n"
+        "import importlib.util, json, sys\n"
+        "assert importlib.util.find_spec('ros_messages') is None\n"
         "def main(arguments):\n"
         "    print(json.dumps([arguments, sys.prefix, __file__]))\n"
         "    return 7\n"
@@ -416,14 +421,23 @@ def copy(tmp_path):
     return root
 
 
-def run(command, folder):
-    environ = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"} | {"PIP_NO_INDEX": "1"}
+def run(command, folder, **more):
+    environ = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"} | {"PIP_NO_INDEX": "1"} | more
     return subprocess.run(command, cwd=folder, env=environ, capture_output=True, text=True, timeout=120)
 
 
 def call(root, *arguments):
     # -S hides site-packages, like a bare machine: packaging is not to be had.
     return run([sys.executable, "-S", "-m", "npslam_teach", *arguments], root)
+
+
+def test_foreign_packages_are_those_of_other_folders(tmp_path, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), "", "/opt/ros/lib"]))
+    assert env.foreign_packages(tmp_path) == ["/opt/ros/lib"]
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "."))
+    assert env.foreign_packages(tmp_path) == []
+    monkeypatch.delenv("PYTHONPATH")
+    assert env.foreign_packages(tmp_path) == []
 
 
 @pytest.mark.slow
@@ -435,6 +449,14 @@ def test_from_a_bare_machine_to_an_exit_code(copy):
         str(copy / ".venv"),
         str(copy / "npslam_teach" / "cli" / "parser.py"),
     ]
+
+    # The packages of another program, as a terminal of ROS has them, are not for us.
+    foreign = copy.with_name("foreign")
+    foreign.mkdir()
+    (foreign / "ros_messages.py").touch()
+    for python in (sys.executable, env.Environment(copy).python):
+        third = run([python, "-m", "npslam_teach", "lab"], copy, PYTHONPATH=str(foreign))
+        assert (third.returncode, third.stderr) == (7, "")
 
     moved = copy.rename(copy.with_name("moved"))
     made = env.Environment(moved).stamp.stat().st_mtime_ns

@@ -454,8 +454,8 @@ def test_from_a_bare_machine_to_an_exit_code(copy):
     foreign = copy.with_name("foreign")
     foreign.mkdir()
     (foreign / "ros_messages.py").touch()
-    for python in (sys.executable, env.Environment(copy).python):
-        third = run([python, "-m", "npslam_teach", "lab"], copy, PYTHONPATH=str(foreign))
+    for python in ([sys.executable, "-S"], [env.Environment(copy).python]):
+        third = run([*python, "-m", "npslam_teach", "lab"], copy, PYTHONPATH=str(foreign))
         assert (third.returncode, third.stderr) == (7, "")
 
     moved = copy.rename(copy.with_name("moved"))

@@ -17,7 +17,7 @@ from matplotlib import pyplot
 from npslam_teach.pose_graph import factorization
 
 # A few steps show that nothing stays. Only where something has grown, which may be chance, many more steps decide.
-WARM_UP, STEPS, MANY_STEPS = 60, 30, 200
+WARM_UP, STEPS, MANY_STEPS = 120, 30, 200
 # qdldl frees arrays behind tracemalloc's back, which goes on listing some of them; a process that updates a factor a
 # hundred thousand times does not grow by a kilobyte.
 NOT_QDLDL = tracemalloc.Filter(False, factorization.__file__)
@@ -129,7 +129,7 @@ def test_key_presses_leave_nothing_behind_in_a_page(lesson, page, lab, record_pr
                 forward = slider.index() == 0
             explorer.press(slider, forward)
 
-    press(WARM_UP // 2)
+    press(WARM_UP // 4)
     for steps in (STEPS, MANY_STEPS):
         before = Footprint(page, kernel)
         press(steps)

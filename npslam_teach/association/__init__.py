@@ -20,7 +20,7 @@ from npslam_teach.association.dirichlet_process import (
     require_alpha,
     reweight,
 )
-from npslam_teach.association.exclusive import exclusive_sweep
+from npslam_teach.association.exclusive import exclusive_sweep, one_to_one
 from npslam_teach.association.likelihood import (
     PAPER_ALPHA,
     PAPER_KERNEL_STD,
@@ -52,6 +52,7 @@ __all__ = [
     "log_partition_prior",
     "mode",
     "objective",
+    "one_to_one",
     "plain_sweep",
     "require_alpha",
     "require_kernel",

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from npslam_teach.association import one_to_one
 from npslam_teach.methods.ekf import new_filter, predict, squared_distances, update, with_new_object
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
 from npslam_teach.pose_graph import observation_factors, odometry_factors, squared_radius
@@ -158,15 +159,9 @@ def assign(squared_distance: np.ndarray, gate: float, new_gate: float) -> np.nda
     Returns:
         (m,) the object, UNASSIGNED or NEW.
     """
-    from scipy.optimize import linear_sum_assignment
-
-    num_observations, num_objects = squared_distance.shape
-    # To match nothing costs as much as a match at the gate: a column of its own for every observation.
-    cost = np.hstack([np.minimum(squared_distance, 2 * gate), np.full((num_observations, num_observations), gate)])
-    chosen = linear_sum_assignment(cost)[1]
-    inside = cost[np.arange(num_observations), chosen] < gate
+    chosen = one_to_one(squared_distance, gate)  # to match nothing costs as much as a match at the gate
     far = (squared_distance > new_gate).all(axis=1)
-    return np.where(inside, chosen, np.where(far, NEW, UNASSIGNED))
+    return np.where(chosen < squared_distance.shape[1], chosen, np.where(far, NEW, UNASSIGNED))
 
 
 def squared_gates(gate: float, new_gate: float) -> tuple[float, float]:

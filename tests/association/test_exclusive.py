@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from npslam_teach import association, methods, se2, simulate
-from npslam_teach.association import decide, exclusive_sweep, reweight, sweep
+from npslam_teach.association import (
+    association_weights,
+    decide,
+    exclusive_sweep,
+    reweight,
+    sweep,
+    without_empty_objects,
+)
 from npslam_teach.association.exclusive import assign
 from npslam_teach.types import RobotLog
 
@@ -33,12 +40,48 @@ def test_the_matching_is_the_best_of_all(seed, threshold):
     np.testing.assert_array_equal(assign(weights, 0.5, threshold), best_by_trying(weights, 0.5, threshold))
 
 
-@pytest.mark.parametrize("threshold", [None, 0.2])
+@pytest.mark.parametrize("threshold", [None, 0.0, 0.2])
 def test_for_one_observation_it_is_the_papers_decision(threshold):
     rng = np.random.default_rng(0)
     for _ in range(200):
         weights = rng.exponential(1.0, int(rng.integers(0, 5)))
         assert assign(weights[None], 0.7, threshold)[0] == decide(reweight(weights, 0.7), threshold)
+
+
+def dense_sweep(labels, landmarks, xy, obs_class, obs_time, alpha, threshold, kernel_std):
+    """The rule written out, last frame first, every observation compared with every object."""
+    labels, landmarks = labels.copy(), list(landmarks)
+    for time in np.unique(obs_time)[::-1]:
+        frame = np.flatnonzero(obs_time == time)[::-1]
+        others = np.delete(np.arange(len(labels)), frame)
+        weights = np.zeros((len(frame), len(landmarks)))
+        for row, k in zip(weights, frame, strict=True):
+            votes = np.bincount(labels[others[obs_class[others] == obs_class[k]]], minlength=len(landmarks))
+            row[:] = association_weights(votes, np.linalg.norm(np.array(landmarks) - xy[k], axis=1), kernel_std)
+        for k, chosen in zip(frame, assign(weights, alpha, threshold), strict=True):
+            labels[k] = chosen if chosen < weights.shape[1] else len(landmarks)
+            if labels[k] == len(landmarks):
+                landmarks.append(xy[k])
+    return without_empty_objects(labels, np.array(landmarks))
+
+
+@pytest.mark.parametrize("threshold", [None, 0.0, 1e-12, 0.05, 0.4])
+@pytest.mark.parametrize("seed", range(3))
+def test_the_search_radius_leaves_nothing_out(seed, threshold):
+    log, _ = simulate.fifteen_objects(seed)
+    used = log.obs_time < 120
+    xy = se2.apply(se2.dead_reckoning(log.odometry)[log.obs_time[used]], log.obs_xy[used])
+    for start in (np.arange(len(xy)), np.random.default_rng(seed).integers(0, 40, len(xy))):
+        arguments = start, xy, xy, log.obs_class[used], log.obs_time[used], 0.9, threshold, 0.3
+        ours, theirs = exclusive_sweep(*arguments), dense_sweep(*arguments)
+        np.testing.assert_array_equal(ours.labels, theirs.labels)
+        np.testing.assert_array_equal(ours.landmarks, theirs.landmarks)
+
+
+def test_a_log_without_observations_has_no_objects():
+    nothing = np.zeros(0, dtype=int)
+    found = exclusive_sweep(nothing, np.zeros((0, 2)), np.zeros((0, 2)), nothing, nothing)
+    assert found.labels.shape == (0,) and found.landmarks.shape == (0, 2)
 
 
 @pytest.mark.parametrize("seed", range(5))

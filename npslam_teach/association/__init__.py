@@ -31,7 +31,7 @@ from npslam_teach.association.likelihood import (
     require_rule,
 )
 from npslam_teach.association.objective import objective
-from npslam_teach.association.partitions import Association, all_partitions, without_empty_objects
+from npslam_teach.association.partitions import Association, all_partitions, same_partition, without_empty_objects
 from npslam_teach.association.sweep import plain_sweep, sweep
 
 __all__ = [
@@ -58,6 +58,7 @@ __all__ = [
     "require_kernel",
     "require_rule",
     "reweight",
+    "same_partition",
     "sweep",
     "without_empty_objects",
 ]

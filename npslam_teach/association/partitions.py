@@ -22,6 +22,12 @@ def without_empty_objects(labels: np.ndarray, landmarks: np.ndarray) -> Associat
     return Association(np.where(labels >= 0, renumbered[labels], -1), landmarks[kept])
 
 
+def same_partition(labels: np.ndarray, other: np.ndarray) -> bool:
+    """Whether two labelings (M,) group the observations alike, whatever the objects are called; -1 is a group too."""
+    pairs = np.unique((labels + 1) * (other.max(initial=-1) + 2) + other)
+    return len(pairs) == len(np.unique(labels)) == len(np.unique(other))
+
+
 def all_partitions(obs_class) -> Iterator[list[int]]:
     """Every way to group observations into objects of one class each, once, as labels in order of appearance.
 

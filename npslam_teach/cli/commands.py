@@ -45,7 +45,6 @@ def solve(options) -> int:
 
 def reproduce(options) -> int:
     """Run the paper's simulation once or over many seeds, with every method."""
-    from npslam_teach.cli import reports
     from npslam_teach.experiments import paper_simulation
     from npslam_teach.methods import METHODS
     from npslam_teach.system import files

@@ -177,7 +177,7 @@ def _add_settings(solve) -> None:
 def _add_optimize(subparsers) -> None:
     optimize = _add(subparsers, "optimize", "solve a pose graph")
     optimize.add_argument("graph", metavar="GRAPH.g2o", help="a 2-D pose graph")
-    optimize.add_argument("--out", metavar="FILE", help="write the solution as .g2o, vertices numbered anew")
+    optimize.add_argument("--out", metavar="FILE", help="write the solution as .g2o; vertices keep their ids")
     optimize.add_argument("--repeat", type=count, metavar="N", help="solve N times and list the seconds")
     text = "stop when a step lowers chi2 by less than this share (default 1e-9)"
     optimize.add_argument("--tolerance", type=number, default=1e-9, metavar="R", help=text)

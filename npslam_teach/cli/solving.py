@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 
 from npslam_teach import experiments
-from npslam_teach.association import PAPER_ALPHA
+from npslam_teach.association import PAPER_ALPHA, same_partition
 from npslam_teach.methods import METHODS, paper_settings, settings_for
 from npslam_teach.methods.snapshots import snapshot
 from npslam_teach.pose_graph import fit
 from npslam_teach.types import RobotLog
 
-GIVEN = "alpha threshold kernel_std odometry_std observation_std area order iterations gate".split()
+GIVEN = "alpha threshold kernel_std odometry_std observation_std area order iterations gate exclusive".split()
 
 
 def settings_name(options) -> str:
@@ -21,28 +21,17 @@ def settings_name(options) -> str:
 
 
 def settings_of(options, log: RobotLog) -> dict:
-    """The settings that the method is called with.
-
-    Raises:
-        ValueError: for an option that the method does not have.
-    """
+    """The settings that the method is called with; ``require_options`` has seen that it has those asked for."""
     known = METHODS[options.method].settings
     base = paper_settings() if settings_name(options) == "paper" else settings_for(log)
-    if options.exclusive is not None:
-        base["exclusive"] = options.exclusive
-        _require(known, options.method, "exclusive")
     # A default of None means the log's own noise, which no scale changes.
     settings = {name: value for name, value in base.items() if known.get(name) is not None}
-    for name in GIVEN:
-        if getattr(options, name) is not None:
-            _require(known, options.method, name)
-            settings[name] = getattr(options, name)
-    return settings
+    return settings | {name: getattr(options, name) for name in GIVEN if getattr(options, name) is not None}
 
 
 def require_options(options) -> None:
     """Raise ``ValueError`` for an option that the method does not have, before any file is read."""
-    for name in [*GIVEN, "exclusive"]:
+    for name in GIVEN:
         if getattr(options, name) is not None:
             _require(METHODS[options.method].settings, options.method, name)
     if options.restarts > 1:
@@ -89,12 +78,7 @@ def settled(found: experiments.Run, settings: dict) -> bool | None:
         return None
     if len(found.snapshots) - 1 < settings.get("iterations", known["iterations"]):
         return True
-    return len(found.snapshots) > 1 and _same(found.snapshots[-2].labels, found.snapshots[-1].labels)
-
-
-def _same(labels: np.ndarray, other: np.ndarray) -> bool:
-    pairs = np.unique(np.column_stack([labels, other]), axis=0)
-    return len(pairs) == len(np.unique(labels)) == len(np.unique(other))
+    return len(found.snapshots) > 1 and same_partition(found.snapshots[-2].labels, found.snapshots[-1].labels)
 
 
 def _require(known: dict, method: str, name: str) -> None:

@@ -47,6 +47,7 @@ def load_g2o(path) -> PoseGraph:
     landmarks, landmark_index = _vertices(path, rows, b"VERTEX_XY", [(b"EDGE_SE2_XY", 1)])
     if not pose_index:
         raise ValueError(f"{path}: expected at least one VERTEX_SE2 or EDGE_SE2, got none")
+    _require_apart(path, rows[b"EDGE_SE2_XY"], pose_index, landmark_index)
     fixed_poses, fixed_landmarks = _fixed(path, rows[b"FIX"], pose_index, landmark_index)
     between = _edges(path, rows[b"EDGE_SE2"], pose_index, pose_index, 3, BetweenFactors)
     with prefix_errors(path):  # turning can make the largest numbers a little larger
@@ -166,6 +167,13 @@ def _require_unique(path, rows: list) -> None:
             problem = f"expected a new id, got {vertex}, which line {lines[vertex]} defines already"
             raise ValueError(f"{path}, line {line_number}: id: {problem}")
         lines[vertex] = line_number
+
+
+def _require_apart(path, rows: list, pose_index: dict, landmark_index: dict) -> None:
+    for line_number, (_, vertex), _ in rows:
+        if vertex in pose_index and vertex in landmark_index:
+            problem = f"expected the id of a landmark, got {vertex}, which is a pose"
+            raise ValueError(f"{path}, line {line_number}: l: {problem}")
 
 
 def _edges(path, rows: list, first_index: dict, second_index: dict, size: int, make):

@@ -14,6 +14,7 @@ from npslam_teach.association import (
     exclusive_sweep,
     false_positives,
     require_rule,
+    same_partition,
     sweep,
     without_empty_objects,
 )
@@ -66,7 +67,7 @@ def np_graph(
         # Half a step: who is who, the trajectory and the map held still.
         labels, graph = associate_anew(log, current, alpha, threshold, kernel_std, order, observation_std, exclusive)
         # The other half: where everything is, the associations held still.
-        same = _same_partition(current.labels, labels)
+        same = same_partition(current.labels, labels)
         current = snapshot(log, iteration, labels, optimize(graph), alpha, area)
         yield current
         if same:
@@ -141,12 +142,6 @@ def _without_objects(log, current, rejected, observation_std, alpha, area) -> Sn
     kept = without_empty_objects(labels, current.graph.landmarks)
     graph = optimize(with_associations(log, current.graph, kept.labels, kept.landmarks, observation_std))
     return snapshot(log, current.iteration + 1, kept.labels, graph, alpha, area)
-
-
-def _same_partition(labels: np.ndarray, other_labels: np.ndarray) -> bool:
-    """Whether two labelings group the observations alike, whatever the objects are called."""
-    pairs = np.unique(labels * (other_labels.max(initial=0) + 1) + other_labels)
-    return len(pairs) == len(np.unique(labels)) == len(np.unique(other_labels))
 
 
 def _require_settings(iterations, area, false_positive_threshold) -> None:

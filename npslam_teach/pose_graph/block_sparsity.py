@@ -11,6 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+# For ``splu`` of a symmetric matrix: no pivoting off the diagonal, in an order of minimum degree, which keeps the
+# factors sparse.
+SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
 FIXED = -1  # the block index of a variable that is held still and has no place in H
 
 
@@ -150,7 +153,7 @@ def fill_reducing_order(num_blocks: int, rows: np.ndarray, cols: np.ndarray) -> 
     entries = np.concatenate([-np.ones(len(ends)), np.bincount(ends, minlength=num_blocks) + 1.0])
     places = np.concatenate([ends, blocks]), np.concatenate([other_ends, blocks])
     pattern = csc_array((entries, places), shape=(num_blocks, num_blocks))
-    factors = splu(pattern, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    factors = splu(pattern, **SYMMETRIC)
     return factors.perm_c.astype(np.int64)
 
 

@@ -28,6 +28,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from npslam_teach.pose_graph.block_sparsity import SYMMETRIC
 from npslam_teach.pose_graph.complex_form import Layout, QuadraticForm, as_complex, isotropic_part, layout_of
 from npslam_teach.pose_graph.factor_kinds import FACTOR_KINDS
 from npslam_teach.pose_graph.linearization import residuals
@@ -176,9 +177,8 @@ def _positive_factors(matrix):
     """Factors of a Hermitian matrix, L D L^H; None where it is not positive definite."""
     from scipy.sparse.linalg import splu
 
-    options = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
     try:
-        factors = splu(matrix, **options)
+        factors = splu(matrix, **SYMMETRIC)
     except RuntimeError:  # a pivot is exactly zero
         return None
     on_diagonal = np.array_equal(factors.perm_r, factors.perm_c)

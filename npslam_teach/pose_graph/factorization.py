@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from npslam_teach.pose_graph.block_sparsity import BlockStructure
+from npslam_teach.pose_graph.block_sparsity import SYMMETRIC, BlockStructure
 
 SINGULAR = "expected factors that determine every pose and landmark, but H is singular"
 Solve = Callable[[np.ndarray], np.ndarray]
@@ -69,8 +69,6 @@ class LinearSystem(NamedTuple):
 def solve_once(matrix, rhs: np.ndarray) -> np.ndarray:
     """Solve one sparse symmetric or Hermitian system.
 
-    Its variables are taken out in an order of minimum degree, which keeps its factors sparse.
-
     Args:
         matrix: (n, n), SciPy sparse.
         rhs: (n,).
@@ -80,9 +78,8 @@ def solve_once(matrix, rhs: np.ndarray) -> np.ndarray:
     """
     from scipy.sparse.linalg import splu
 
-    options = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
     try:
-        return _finite(splu(matrix.tocsc(), **options).solve(rhs)) if len(rhs) else rhs
+        return _finite(splu(matrix.tocsc(), **SYMMETRIC).solve(rhs)) if len(rhs) else rhs
     except RuntimeError:  # "Factor is exactly singular"
         raise np.linalg.LinAlgError(SINGULAR) from None
 
@@ -139,15 +136,8 @@ class _SuperLU:
 
         self._matrix.data = data[self._source]
         try:
-            # H is symmetric and already ordered: no pivoting, and panels of one column suit its short columns.
-            factors = splu(
-                self._matrix,
-                permc_spec="NATURAL",
-                diag_pivot_thresh=0.0,
-                panel_size=1,
-                relax=1,
-                options={"SymmetricMode": True},
-            )
+            # H is already ordered, and panels of one column suit its short columns.
+            factors = splu(self._matrix, **SYMMETRIC | {"permc_spec": "NATURAL"}, panel_size=1, relax=1)
         except RuntimeError:  # "Factor is exactly singular"
             raise np.linalg.LinAlgError(SINGULAR) from None
 

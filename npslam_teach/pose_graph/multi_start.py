@@ -38,7 +38,8 @@ def minimize(
     Returns:
         the iterations of the run that ended lowest.
     """
-    return _minimize(graph, tolerance, max_iterations, library)[1]
+    runs = _runs(graph, _checked_system(graph, tolerance, max_iterations, library), tolerance, max_iterations)
+    return runs[_lowest(runs)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,31 +67,38 @@ def certified_minimum(
     Args: as in ``minimize``.
     """
     begin = time.perf_counter()
-    name, run = _minimize(graph, tolerance, max_iterations, library)
-    solved, ends = time.perf_counter(), {name: run[-1].chi2}
-    certificate = certify(run[-1].graph)
-    for other, start in _all_starts(graph):
+    system = _checked_system(graph, tolerance, max_iterations, library)
+    runs = _runs(graph, system, tolerance, max_iterations)
+    name, solved = _lowest(runs), time.perf_counter()
+    certificate = certify(runs[name][-1].graph)
+    for other, start in _other_starts(graph, system, tried=frozenset(runs)):
         if certificate.status == "certified":
             break
-        attempt = list(levenberg_marquardt(start, tolerance, max_iterations))
-        ends[other] = attempt[-1].chi2
-        if attempt[-1].chi2 < run[-1].chi2 * (1 - tolerance):
-            name, run, certificate = other, attempt, certify(attempt[-1].graph)
-    return Optimum(name, run, certificate, solved - begin, time.perf_counter() - solved, ends)
+        runs[other] = list(levenberg_marquardt(start, tolerance, max_iterations, system))
+        if runs[other][-1].chi2 < runs[name][-1].chi2 * (1 - tolerance):
+            name, certificate = other, certify(runs[other][-1].graph)
+    ends = {start: run[-1].chi2 for start, run in runs.items()}
+    return Optimum(name, runs[name], certificate, solved - begin, time.perf_counter() - solved, ends)
 
 
-def _minimize(graph: PoseGraph, tolerance: float, max_iterations: int, library) -> tuple[str, list[Iteration]]:
-    """The start of ``minimize``, and its iterations."""
+def _checked_system(graph: PoseGraph, tolerance: float, max_iterations: int, library: str | None) -> LinearSystem:
     require_settings(tolerance, max_iterations)
     require_factors(graph)
-    system, best = linear_system(graph, library), None
+    return linear_system(graph, library)
+
+
+def _runs(graph: PoseGraph, system: LinearSystem, tolerance: float, max_iterations: int) -> dict[str, list[Iteration]]:
+    """The iterations from each start that ``minimize`` tries, by its name."""
+    runs = {}
     for name, start in sorted(_cheap_starts(graph, system).items(), key=lambda named: chi2(named[1])):
-        run = list(levenberg_marquardt(start, tolerance, max_iterations, system))
-        if best is None or run[-1].chi2 < best[1][-1].chi2:
-            best = name, run
+        runs[name] = run = list(levenberg_marquardt(start, tolerance, max_iterations, system))
         if run[-1].converged and not any(iteration.damping for iteration in run):
             break
-    return best
+    return runs
+
+
+def _lowest(runs: dict[str, list[Iteration]]) -> str:
+    return min(runs, key=lambda name: runs[name][-1].chi2)
 
 
 def _cheap_starts(graph: PoseGraph, system: LinearSystem) -> dict[str, PoseGraph]:
@@ -103,11 +111,16 @@ def _cheap_starts(graph: PoseGraph, system: LinearSystem) -> dict[str, PoseGraph
     return starts
 
 
-def _all_starts(graph: PoseGraph) -> Iterator[tuple[str, PoseGraph]]:
-    yield "given", graph
-    for name, make in (("chordal", chordal_start), ("odometry", odometry_start), ("relaxed", relaxed_start)):
+def _other_starts(graph: PoseGraph, system: LinearSystem, tried: frozenset) -> Iterator[tuple[str, PoseGraph]]:
+    starts = {
+        "given": lambda: graph,
+        "chordal": lambda: chordal_start(graph, system),
+        "odometry": lambda: odometry_start(graph),
+        "relaxed": lambda: relaxed_start(graph),
+    }
+    for name in (name for name in starts if name not in tried):
         with contextlib.suppress(np.linalg.LinAlgError):  # the factors do not determine this start
-            yield name, make(graph)
+            yield name, starts[name]()
 
 
 def optimize(graph: PoseGraph, tolerance: float = 1e-9, max_iterations: int = 100) -> PoseGraph:

@@ -2,8 +2,7 @@
 
 Unlike the chordal start it takes its headings from positions and observations too, so that it also serves where
 landmarks close the loops. It needs isotropic weights, which are put in place of those of the measurements; the weights
-of the headings' errors are those of the chordal distance (Rosen et al., "SE-Sync", IJRR 2019, section 5.2 has more on
-such starts).
+of the headings' errors are those of the chordal distance (Rosen et al., "SE-Sync", IJRR 2019).
 """
 
 from dataclasses import replace

@@ -1,4 +1,7 @@
-"""A lock that ends with the last process that holds it. This file parses on Python 3.6, as ``environment`` does."""
+"""What set-up needs first: a lock that ends with the last process that holds it, and one way to say what happens.
+
+This file parses on Python 3.6, as ``environment`` does.
+"""
 
 import contextlib
 import os

@@ -371,6 +371,13 @@ def test_a_failed_save_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatc
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.filterwarnings("ignore:.*come from the edges alone")
+def test_an_id_is_not_both_a_pose_and_a_landmark(tmp_path):
+    path = write(tmp_path, "VERTEX_SE2 4 0 0 0\nVERTEX_SE2 7 1 0 0\nEDGE_SE2_XY 7 4 1 1 1 0 1\n")
+    with pytest.raises(ValueError, match="line 3: l: expected the id of a landmark, got 4, which is a pose"):
+        load_g2o(path)
+
+
 def test_damaged_files_end_in_one_sentence_or_a_graph(tmp_path, damaged):
     rng = np.random.default_rng(0)
     save_g2o(tmp_path / "graph.g2o", random_graph(rng, num_edges=5, num_seen=5))

@@ -8,7 +8,7 @@ import numpy as np
 
 from npslam_teach import se2, simulate
 from npslam_teach.association import PAPER_KERNEL_STD, objective, sweep
-from npslam_teach.course.checking import Verdict, answer_of, as_array, right, wrong
+from npslam_teach.course.checking import Verdict, answer_of, array_from, as_array, right, wrong
 from npslam_teach.methods.snapshots import PAPER_ODOMETRY_STD, initial_snapshot
 from npslam_teach.pose_graph import chi2, optimize, with_associations
 from npslam_teach.types import PoseGraph, RobotLog
@@ -25,9 +25,7 @@ def check_objective(student: Callable) -> Verdict:
         # Votes against an object that are not 1 tell whether their column is counted; an empty class, whether it is.
         votes[:, 0], votes[:, 1], votes[0, 2] = rng.integers(2, 5, 4), rng.integers(3, 7, 4), 0
         arguments = (value, votes, float(rng.uniform(0.2, 0.9)), float(rng.uniform(2, 90)))
-        answer, verdict = answer_of(student, arguments[0], votes.copy(), *arguments[2:])
-        if verdict is None:
-            number, verdict = as_array("the objective", answer, ())
+        number, verdict = array_from("the objective", student, (), arguments[0], votes.copy(), *arguments[2:])
         if verdict is not None:
             return verdict
         if not math.isclose(number, objective(*arguments), rel_tol=1e-9, abs_tol=1e-9):
@@ -75,9 +73,9 @@ def check_votes_of_others(student: Callable) -> Verdict:
     for _ in range(20):
         num_objects = 4
         labels, obs_class, k = rng.integers(0, num_objects, 30), rng.integers(0, 2, 30), int(rng.integers(30))
-        answer, verdict = answer_of(student, k, labels.copy(), obs_class.copy(), num_objects)
-        if verdict is None:
-            votes, verdict = as_array("the votes", answer, (num_objects,))
+        votes, verdict = array_from(
+            "the votes", student, (num_objects,), k, labels.copy(), obs_class.copy(), num_objects
+        )
         if verdict is not None:
             return verdict
         alike = obs_class == obs_class[k]
@@ -197,9 +195,7 @@ def check_kept(student: Callable) -> Verdict:
     cases += [(rng.integers(1, 6, (8, 4)).astype(float), float(rng.uniform(0.1, 0.6))) for _ in range(20)]
     answers = []
     for votes, epsilon in cases:
-        answer, verdict = answer_of(student, votes.copy(), epsilon)
-        if verdict is None:
-            kept, verdict = as_array("the answer", answer, (len(votes),))
+        kept, verdict = array_from("the answer", student, (len(votes),), votes.copy(), epsilon)
         if verdict is not None:
             return verdict
         answers.append(kept)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from npslam_teach.association import class_posterior, count_votes, false_positives
-from npslam_teach.course.checking import Verdict, answer_of, as_array, judge, right, wrong
+from npslam_teach.course.checking import Verdict, answer_of, array_from, as_array, judge, right, wrong
 
 
 def check_count_votes(function) -> Verdict:
@@ -69,8 +69,7 @@ def check_class_posterior(function) -> Verdict:
     for num_objects, num_columns in ((4, 4), (3, 6), (5, 3)):
         votes = rng.integers(1, 9, (num_objects, num_columns)).astype(float)
         votes[:, 0] = 1.0
-        answer, verdict = answer_of(function, votes.copy())
-        array, verdict = (None, verdict) if verdict else as_array("the posterior", answer, votes.shape)
+        array, verdict = array_from("the posterior", function, votes.shape, votes.copy())
         if verdict:
             return verdict
         verdict = _judged_posterior(array, votes)
@@ -107,8 +106,7 @@ def check_false_positives(function) -> Verdict:
     votes[3, 2] = 2.0
     answers = []
     for epsilon in (0.5, 0.49, 0.3, 0.25, 0.15):
-        answer, verdict = answer_of(function, votes.copy(), epsilon)
-        array, verdict = (None, verdict) if verdict else as_array("the answer", answer, (5,))
+        array, verdict = array_from("the answer", function, (5,), votes.copy(), epsilon)
         if verdict:
             return verdict
         if not np.isin(array, [0, 1]).all():
@@ -145,8 +143,7 @@ def check_log_density(function) -> Verdict:
     rng = np.random.default_rng(54)
     for size in (3, 4, 2):
         concentration, point = rng.uniform(0.5, 6.0, size), rng.dirichlet(np.full(size, 3.0))
-        answer, verdict = answer_of(function, point.copy(), concentration.copy())
-        array, verdict = (None, verdict) if verdict else as_array("the log density", answer, ())
+        array, verdict = array_from("the log density", function, (), point.copy(), concentration.copy())
         if verdict:
             return verdict
         verdict = _judged_log_density(array, point, concentration)
@@ -186,8 +183,7 @@ def check_true_class(function) -> Verdict:
     for size in (3, 4, 3):
         confusion = 0.6 * np.eye(size) + 0.4 * rng.dirichlet(np.ones(size), size)
         votes = rng.integers(0, 4, size).astype(float) + np.eye(size)[0]
-        answer, verdict = answer_of(function, votes.copy(), confusion.copy())
-        array, verdict = (None, verdict) if verdict else as_array("the posterior", answer, (size,))
+        array, verdict = array_from("the posterior", function, (size,), votes.copy(), confusion.copy())
         if verdict:
             return verdict
         verdict = _judged_true_class(array, votes, confusion)
@@ -237,6 +233,5 @@ def _judged_true_class(answer, votes, confusion) -> Verdict | None:
 def _gives(expected, function, *arguments) -> bool:
     """Whether the function survives an extreme case, in which it may overflow."""
     with np.errstate(all="ignore"):
-        answer, verdict = answer_of(function, *arguments)
-    array, verdict = (None, verdict) if verdict else as_array("the answer", answer, np.shape(expected))
+        array, verdict = array_from("the answer", function, np.shape(expected), *arguments)
     return verdict is None and np.allclose(array, expected)

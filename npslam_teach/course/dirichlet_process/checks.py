@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from npslam_teach.association import association_weights, decide, expected_num_objects, reweight, sweep
-from npslam_teach.course.checking import Verdict, answer_of, as_array, judge, right, wrong
+from npslam_teach.course.checking import Verdict, answer_of, array_from, as_array, judge, right, wrong
 
 
 def check_weights(function) -> Verdict:
@@ -15,8 +15,7 @@ def check_weights(function) -> Verdict:
         votes, distance = rng.integers(1, 6, 5).astype(float), rng.uniform(0.2, 1.5, 5)
         votes[rng.integers(5)] = 0.0
         kernel_std = rng.uniform(0.4, 0.8)
-        answer, verdict = answer_of(function, votes.copy(), distance.copy(), kernel_std)
-        array, shape_verdict = (None, verdict) if verdict else as_array("the weights", answer, (5,))
+        array, shape_verdict = array_from("the weights", function, (5,), votes.copy(), distance.copy(), kernel_std)
         if shape_verdict:
             return shape_verdict
         verdict = _judged_weights(array, votes, distance, kernel_std)
@@ -130,8 +129,7 @@ def _wrong_decision(answers: list[int], cases: list) -> Verdict:
 def check_expected_tables(function) -> Verdict:
     """Exercise 4: ``(num_guests, alpha) -> number``."""
     for num_guests, alpha in ((1, 0.9), (8, 0.5), (60, 3.0), (1098, 0.9)):
-        answer, verdict = answer_of(function, num_guests, alpha)
-        array, verdict = (None, verdict) if verdict else as_array("the expected number", answer, ())
+        array, verdict = array_from("the expected number", function, (), num_guests, alpha)
         if verdict:
             return verdict
         verdict = _judged_tables(float(array), num_guests, alpha)
@@ -163,8 +161,9 @@ def check_sweep(function) -> Verdict:
     scenes = [_scene(rng, start) for start in ("alone", "grouped") * 4]
     groupings = []
     for scene in scenes:
-        answer, verdict = answer_of(function, *(np.copy(part) for part in scene[:-1]), scene[-1])
-        array, verdict = (None, verdict) if verdict else as_array("the labels", answer, scene[0].shape)
+        array, verdict = array_from(
+            "the labels", function, scene[0].shape, *(np.copy(part) for part in scene[:-1]), scene[-1]
+        )
         if verdict:
             return verdict
         groupings.append(_grouping(array))

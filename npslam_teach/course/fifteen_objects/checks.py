@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.course.checking import Verdict, answer_of, as_array, right, wrong
+from npslam_teach.course.checking import Verdict, array_from, right, wrong
 from npslam_teach.evaluation import compare_partitions
 
 
@@ -16,9 +16,7 @@ def check_per_dof(student: Callable) -> Verdict:
     for _ in range(6):
         poses, objects = int(rng.integers(5, 900)), int(rng.integers(1, 30))
         seen, value = int(rng.integers(2 * objects + 3, 1500)), float(rng.uniform(10, 3000))
-        answer, verdict = answer_of(student, value, poses, seen, objects)
-        if verdict is None:
-            number, verdict = as_array("the answer", answer, ())
+        number, verdict = array_from("the answer", student, (), value, poses, seen, objects)
         if verdict is not None:
             return verdict
         measured, unknown = 3 * (poses - 1) + 2 * seen, 3 * (poses - 1) + 2 * objects
@@ -56,9 +54,7 @@ def check_mean_pose_error(student: Callable) -> Verdict:
         motion = np.array([rng.uniform(2, 5), rng.uniform(-5, -2), rng.uniform(0.5, 2.5)])
         poses = se2.compose(motion, truth)
         poses[:, :2] += np.cumsum(rng.normal(0, 0.1, (60, 2)), axis=0)
-        answer, verdict = answer_of(student, poses.copy(), truth.copy())
-        if verdict is None:
-            number, verdict = as_array("the error", answer, ())
+        number, verdict = array_from("the error", student, (), poses.copy(), truth.copy())
         if verdict is not None:
             return verdict
         errors = _aligned_errors(poses, truth)
@@ -106,9 +102,7 @@ def check_adjusted_rand(student: Callable) -> Verdict:
     for _ in range(6):
         true_labels = rng.integers(0, 4, 40)
         labels = np.where(rng.random(40) < 0.6, true_labels, rng.integers(0, 6, 40))
-        answer, verdict = answer_of(student, true_labels.copy(), labels.copy())
-        if verdict is None:
-            number, verdict = as_array("the index", answer, ())
+        number, verdict = array_from("the index", student, (), true_labels.copy(), labels.copy())
         if verdict is not None:
             return verdict
         expected = compare_partitions(true_labels, labels)[0]

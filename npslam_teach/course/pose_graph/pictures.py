@@ -1,4 +1,4 @@
-"""Pictures of lesson 03: the factor graph, what pulls in it, where H has numbers, and how sure the answer is."""
+"""Pictures of lesson 03: the factor graph, how chi2 falls, where H has numbers, and how sure the answer is."""
 
 import numpy as np
 from matplotlib.axes import Axes

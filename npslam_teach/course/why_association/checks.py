@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from npslam_teach.course.checking import BLANK, Verdict, answer_of, as_array, is_blank, right, wrong
+from npslam_teach.course.checking import BLANK, Verdict, answer_of, array_from, as_array, is_blank, right, wrong
 
 
 def check_argmax(argmax_and_doubt: Callable) -> Verdict:
@@ -61,9 +61,7 @@ def check_front_end(my_front_end: Callable) -> Verdict:
     """Exercise 2: ``my_front_end(obs_xy_world, obs_class, reach)`` returns a label for each sighting, (M,)."""
     answers, trials = [], _clouds()
     for xy, obs_class, reach in trials:
-        answer, verdict = answer_of(my_front_end, xy.copy(), obs_class.copy(), reach)
-        if verdict is None:
-            answer, verdict = as_array("the labels", answer, (len(xy),))
+        answer, verdict = array_from("the labels", my_front_end, (len(xy),), xy.copy(), obs_class.copy(), reach)
         if verdict is not None:
             return verdict
         answers.append(_canonical(answer))
@@ -132,9 +130,7 @@ def check_bell(bell: Callable) -> Verdict:
     """Exercise 3: ``bell(n)``, the number of ways to group n sightings."""
     up_to, numbers, answers = range(1, 11), bell_numbers(11), []
     for n in up_to:
-        answer, verdict = answer_of(bell, n)
-        if verdict is None:
-            answer, verdict = as_array("your count", answer, ())
+        answer, verdict = array_from("your count", bell, (), n)
         if verdict is not None:
             return verdict
         answers.append(float(answer))
@@ -209,9 +205,7 @@ def _rings(alarm: Callable, trials: list) -> tuple[list, Verdict | None]:
     """What the student's alarm says in every trial; or as far as it came, and a verdict."""
     answers = []
     for trial in trials:
-        answer, verdict = answer_of(alarm, *trial)
-        if verdict is None:
-            answer, verdict = as_array("the alarm", answer, ())
+        answer, verdict = array_from("the alarm", alarm, (), *trial)
         answers.append(bool(answer))
         if verdict is not None:
             return answers, verdict

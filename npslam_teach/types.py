@@ -10,22 +10,24 @@ import numpy as np
 
 from npslam_teach.validation import checked_array, require_positive, require_range, require_semidefinite
 
+CLUTTER, UNKNOWN = -1, -2  # what the true object of an observation can be, besides an index
 
-def _set(instance, name: str, shape: tuple, dtype=float) -> None:
-    object.__setattr__(instance, name, checked_array(name, getattr(instance, name), shape, dtype))
+
+def _set(instance, name: str, shape: tuple, dtype=float, gaps: bool = False) -> None:
+    object.__setattr__(instance, name, checked_array(name, getattr(instance, name), shape, dtype, gaps))
 
 
 @dataclass(frozen=True, eq=False)
 class World:
     """What is really out there: object centres in W and their classes."""
 
-    object_xy: np.ndarray  # (K, 2) m, W
+    object_xy: np.ndarray  # (K, 2) m, W; NaN where nobody measured
     object_class: np.ndarray  # (K,) in [0, C)
     class_names: tuple  # C names
 
     def __post_init__(self):
         object.__setattr__(self, "class_names", tuple(str(name) for name in self.class_names))
-        _set(self, "object_xy", (None, 2))
+        _set(self, "object_xy", (None, 2), gaps=True)
         _set(self, "object_class", (len(self.object_xy),), int)
         require_range("object_class", self.object_class, 0, len(self.class_names), "a class index")
 
@@ -78,6 +80,7 @@ class RobotLog:
     num_classes: int
     odometry_std: np.ndarray  # (3,) m, m, rad
     observation_std: np.ndarray  # (2,) m
+    class_names: tuple | None = None  # num_classes names, for people only
 
     def __post_init__(self):
         _set(self, "odometry", (None, 3))
@@ -93,6 +96,8 @@ class RobotLog:
         require_range("obs_class", self.obs_class, 0, self.num_classes, "a class index")
         require_positive("odometry_std", self.odometry_std)
         require_positive("observation_std", self.observation_std)
+        if self.class_names is not None and len(self.class_names) != self.num_classes:
+            raise ValueError(f"class_names: expected {self.num_classes} names, got {len(self.class_names)}")
 
     @property
     def num_poses(self) -> int:
@@ -107,16 +112,23 @@ class RobotLog:
 
 @dataclass(frozen=True, eq=False)
 class GroundTruth:
-    """What really happened. Only ``evaluate`` and ``plotting`` may look at it."""
+    """What really happened, as far as it is known. Only ``evaluate`` and ``plotting`` may look at it."""
 
     world: World
-    poses: np.ndarray  # (T, 3) W
-    obs_object: np.ndarray  # (M,) index into the world's objects; -1 = clutter
+    poses: np.ndarray  # (T, 3) W; NaN where nobody measured, be it a whole pose or its heading
+    obs_object: np.ndarray  # (M,) index into the world's objects, CLUTTER or UNKNOWN
 
     def __post_init__(self):
-        _set(self, "poses", (None, 3))
+        _set(self, "poses", (None, 3), gaps=True)
         _set(self, "obs_object", (None,), int)
-        require_range("obs_object", self.obs_object, -1, len(self.world.object_xy), "an object index (-1 = clutter)")
+        what = "an object index (-1 = clutter, -2 = unknown)"
+        require_range("obs_object", self.obs_object, UNKNOWN, len(self.world.object_xy), what)
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether nothing is unknown."""
+        numbers = np.concatenate([self.poses.ravel(), self.world.object_xy.ravel()])
+        return not np.isnan(numbers).any() and not (self.obs_object == UNKNOWN).any()
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,10 +5,11 @@ import numpy as np
 LARGEST = 1e15  # beyond it, squares and information matrices leave the range of floating point
 
 
-def checked_array(name: str, value, shape: tuple, dtype=float) -> np.ndarray:
+def checked_array(name: str, value, shape: tuple, dtype=float, gaps: bool = False) -> np.ndarray:
     """Return a read-only copy of ``value``, or say in one sentence what is wrong with it.
 
-    ``shape`` lists the expected length of each axis; ``None`` accepts any length.
+    ``shape`` lists the expected length of each axis; ``None`` accepts any length. With ``gaps``, NaN stands for an
+    unknown number.
     Raises ``ValueError`` that names the argument, what was expected and what came.
     """
     try:
@@ -26,14 +27,19 @@ def checked_array(name: str, value, shape: tuple, dtype=float) -> np.ndarray:
     if array.dtype.kind == "u" and array.max(initial=0) > np.iinfo(np.int64).max:
         raise ValueError(f"{name}: expected integers below 2^63, got {array.max()}")
     array = array.astype(np.float64 if dtype is float else np.int64)
-    if dtype is float and not np.isfinite(array).all():
+    if dtype is float:
+        _require_finite(name, array[~np.isnan(array)] if gaps else array)
+    array.setflags(write=False)
+    return array
+
+
+def _require_finite(name: str, array: np.ndarray) -> None:
+    if not np.isfinite(array).all():
         raise ValueError(
             f"{name}: expected finite numbers, got {np.count_nonzero(~np.isfinite(array))} NaN or infinite"
         )
-    if dtype is float and np.abs(array).max(initial=0.0) > LARGEST:
+    if np.abs(array).max(initial=0.0) > LARGEST:
         raise ValueError(f"{name}: expected numbers up to {LARGEST:g}, got {np.abs(array).max():g}")
-    array.setflags(write=False)
-    return array
 
 
 def checked_index(name: str, index, length: int) -> np.ndarray:

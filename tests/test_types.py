@@ -108,7 +108,7 @@ def test_information_may_be_singular():
 
 WRONG = [
     (world, "object_xy", [[0, 1, 2], [0, 1, 2]], "shape (any, 2), got (2, 3)"),
-    (world, "object_xy", [[0, 1], [np.nan, 0]], "finite numbers, got 1 NaN"),
+    (world, "object_xy", [[0, 1], [np.inf, 0]], "finite numbers, got 1 NaN"),
     (world, "object_xy", [["a", "b"], ["c", "d"]], "real numbers, got dtype <U1"),
     (world, "object_xy", [[0, 1], [2]], "regular array"),
     (world, "object_class", [0], "shape (2), got (1,)"),
@@ -140,8 +140,10 @@ WRONG = [
     (robot_log, "odometry_std", [0.1, 0.0, 0.1], "positive numbers, got [0.1, 0.0, 0.1]"),
     (robot_log, "observation_std", [0.1, -1], "positive numbers, got [0.1, -1.0]"),
     (ground_truth, "poses", np.zeros(3), "shape (any, 3), got (3,)"),
-    (ground_truth, "obs_object", [0, 2, 0], "an object index (-1 = clutter) from -1 to 1, got 2 at entry 1"),
-    (ground_truth, "obs_object", [0, -2, 0], "got -2 at entry 1"),
+    (ground_truth, "obs_object", [0, 2, 0], "(-1 = clutter, -2 = unknown) from -2 to 1, got 2 at entry 1"),
+    (ground_truth, "obs_object", [0, -3, 0], "got -3 at entry 1"),
+    (ground_truth, "poses", np.full((3, 3), np.inf), "finite numbers, got 9 NaN or infinite"),
+    (robot_log, "class_names", ("one",), "class_names: expected 2 names, got 1"),
     (between, "i", [0], "j: expected shape (1), got (2,)"),
     (between, "j", [1, 1], "a pose other than i, got i = j = 1"),
     (between, "relative_pose", np.zeros((2, 2)), "shape (2, 3), got (2, 2)"),

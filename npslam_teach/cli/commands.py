@@ -8,6 +8,8 @@ from pathlib import Path
 from npslam_teach.cli import reports
 from npslam_teach.cli.checkout import ROOT, folder_named
 
+SOLVE_FILES = (".json", ".g2o", ".tum", ".csv")
+
 
 def fetch(options) -> int:
     """Fetch one of the authors' files and print its path."""
@@ -23,24 +25,35 @@ def solve(options) -> int:
     import numpy as np
 
     from npslam_teach import datasets, simulate
-    from npslam_teach.cli import solving
+    from npslam_teach.cli import solve_report, solving
     from npslam_teach.system import files
 
     solving.require_options(options)
-    write = _writer(options.out, (".json", ".g2o"))
+    write = _writer(options.out, SOLVE_FILES)
+    folder = folder_named(options.figures)
     log, truth = datasets.load_log(options.log)
     with files.prefix_errors(options.log):
         if options.noise != 0:
             log = simulate.add_noise(log, options.noise, np.random.default_rng(options.seed))
         settings = solving.settings_of(options, log)
         run, restarts = solving.run(options, log, settings)
-        result = reports.solve_result(run, truth)
+        result = solve_report.solve_result(run, truth) | {"score": solving.score(options, log, run)}
     result["settings"] = {"name": solving.settings_name(options)} | settings
     result["settled"], result["restarts"] = solving.settled(run, settings), restarts
     solving.remarks(options, log, settings, run)
-    write(result, run.snapshots[-1].graph)
-    _print(result if options.json else reports.solve_text(result), options.json)
+    write(result, run.snapshots[-1].graph, run)
+    _print(result if options.json else solve_report.solve_text(result, truth), options.json)
+    if folder is not None:
+        _draw_result(run, truth, folder)
     return 0
+
+
+def _draw_result(run, truth, folder: Path) -> None:
+    from npslam_teach import plotting
+
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, figure in plotting.result_figures(run.snapshots, run.log, truth).items():
+        plotting.save(figure, folder / name)
 
 
 def reproduce(options) -> int:
@@ -70,18 +83,17 @@ def reproduce(options) -> int:
 
 def optimize(options) -> int:
     """Solve a pose graph read from a file; the seconds are those from arrays to solution."""
-    from tqdm import tqdm
-
     from npslam_teach import datasets, pose_graph
-    from npslam_teach.system import files
+    from npslam_teach.system import files, progress
 
-    write = _writer(options.out, (".g2o",))
+    write = _writer([options.out] if options.out is not None else [], (".g2o",))
     graph = datasets.load_g2o(options.graph)
     _warm_up_solver()
     with files.prefix_errors(options.graph):
         optimum = pose_graph.certified_minimum(graph, options.tolerance)
         seconds = [optimum.seconds]
-        for _ in tqdm(range(1, options.repeat or 1), desc="optimize", unit="run", delay=2, leave=False):
+        again = (options.repeat or 1) - 1
+        for _ in progress.track(range(again), again, "optimize", "runs"):
             begin = time.perf_counter()
             pose_graph.minimize(graph, options.tolerance)
             seconds.append(time.perf_counter() - begin)
@@ -114,27 +126,36 @@ def _warm_up_solver() -> None:
     pose_graph.certified_minimum(types.PoseGraph(poses, np.zeros((0, 2)), steps, nothing))
 
 
-def _writer(out: str | None, suffixes: tuple):
+def _writer(names: list[str], suffixes: tuple):
     """A function that writes the result where ``--out`` says; a bad name is refused before any work is done."""
+    for out in names:
+        suffix = Path(out).suffix.lower()
+        if suffix not in suffixes:
+            raise ValueError(f"--out {out}: expected a name that ends in {' or '.join(suffixes)}, got {suffix!r}")
+        if not Path(out).absolute().parent.is_dir():
+            raise FileNotFoundError(f"--out {out}: expected a folder to write into, found none")
+
+    def write(result: dict, graph, run=None) -> None:
+        for out in names:
+            _write(out, result, graph, run)
+
+    return write
+
+
+def _write(out: str, result: dict, graph, run) -> None:
     from npslam_teach import datasets
     from npslam_teach.system import files
 
-    if out is None:
-        return lambda result, graph: None
     suffix = Path(out).suffix.lower()
-    if suffix not in suffixes:
-        raise ValueError(f"--out {out}: expected a name that ends in {' or '.join(suffixes)}, got {suffix!r}")
-    if not Path(out).absolute().parent.is_dir():
-        raise FileNotFoundError(f"--out {out}: expected a folder to write into, found none")
-
-    def write(result: dict, graph) -> None:
-        if suffix == ".g2o":
-            datasets.save_g2o(out, graph)
-        else:
-            with files.atomic_write(out) as stream:
-                stream.write(json.dumps(reports.plain(result), allow_nan=False))
-
-    return write
+    if suffix == ".g2o":
+        datasets.save_g2o(out, graph)
+    elif suffix == ".tum":
+        datasets.save_tum(out, graph.poses)
+    elif suffix == ".csv":
+        datasets.save_objects(out, run.snapshots[-1], run.log)
+    else:
+        with files.atomic_write(out) as stream:
+            stream.write(json.dumps(reports.plain(result), allow_nan=False))
 
 
 def _print(result, as_json: bool) -> None:

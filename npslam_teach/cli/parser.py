@@ -11,6 +11,7 @@ import warnings
 
 from npslam_teach import __version__
 from npslam_teach.cli.option_types import count, index, method, method_names, methods, number, numbers, port
+from npslam_teach.system.progress import progress_shown
 
 
 class _Parser(argparse.ArgumentParser):
@@ -43,7 +44,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"{parser.prog} {options.command}: warning: {' '.join(str(message).split())}", file=sys.stderr)
 
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), progress_shown():
             warnings.simplefilter("always", UserWarning)
             warnings.showwarning = say_warning
             code = _function_of(options.command)(options) or 0
@@ -142,7 +143,8 @@ def _add_reproduce(subparsers) -> None:
 
 def _add_solve(subparsers) -> None:
     solve = _add(subparsers, "solve", "run one method on a robot log")
-    solve.add_argument("log", metavar="LOG", help="a .npz log or one of the authors' .mat files")
+    text = "a .npz or .csv log, a folder of .csv files, or one of the authors' .mat files"
+    solve.add_argument("log", metavar="LOG", help=text)
     solve.names_of_methods = method_names
     solve.add_argument("--method", type=method, default="np-graph", metavar="NAME", help="see below; default np-graph")
     solve.add_argument("--alpha", type=number, metavar="A", help="concentration of the Dirichlet process (default 0.9)")
@@ -153,7 +155,9 @@ def _add_solve(subparsers) -> None:
     solve.add_argument("--filter-only", action="store_true", help="ekf: the raw filter, not smoothed at the end")
     solve.add_argument("--noise", type=number, default=0.0, metavar="S", help="noise to add first; 1 is the paper's")
     solve.add_argument("--seed", type=index, default=0, metavar="K", help="of that noise (default 0)")
-    solve.add_argument("--out", metavar="FILE", help="write the result as .json, or its graph as .g2o")
+    text = "write the result as .json, its graph as .g2o, its path as .tum or its objects as .csv; may be repeated"
+    solve.add_argument("--out", metavar="FILE", action="append", default=[], help=text)
+    solve.add_argument("--figures", metavar="DIR", help="draw the map of the result and of every iteration")
     _add_json(solve)
 
 

@@ -1,101 +1,14 @@
-"""The results of one run as plain dictionaries (for ``--json``) and as text (for people)."""
+"""The results of ``optimize`` and ``reproduce`` as plain dictionaries (for ``--json``) and as text (for people)."""
 
 import math
-from dataclasses import asdict
 
-from npslam_teach.evaluation import map_quality
-from npslam_teach.experiments.runs import Run, run_summary
 from npslam_teach.pose_graph import Optimum
-from npslam_teach.types import GroundTruth
 
-OFFICE_THRESHOLD = 0.3  # epsilon: an object of two observations is one no longer doubted
 CERTIFICATES = {
     "certified": "certified: no other minimum is lower",
     "gap": "gap <= {gap:.4g}: no other minimum is lower by more",
     "none": "none: nothing is known about lower minima",
 }
-
-
-def solve_result(run: Run, truth: GroundTruth | None) -> dict:
-    """What ``solve --json`` prints: the summary, the association, the trajectory and the map."""
-    last = run.snapshots[-1]
-    counts = last.votes[:, 1:].sum(axis=1)
-    objects = [
-        {
-            "xy": xy.tolist(),
-            "class": int(votes[1:].argmax()),
-            "votes": votes.tolist(),
-            "num_observations": int(count),
-        }
-        for xy, votes, count in zip(last.graph.landmarks, last.votes, counts, strict=True)
-    ]
-    quality = asdict(map_quality(last, run.log, OFFICE_THRESHOLD))
-    arrays = {"labels": last.labels.tolist(), "poses": last.graph.poses.tolist(), "objects": objects}
-    return run_summary(run, truth) | {"quality": quality} | arrays
-
-
-def solve_text(result: dict) -> str:
-    """The same for people."""
-    lines = [
-        f"method                {result['method']}",
-        f"settings              {_settings_text(result['settings'])}",
-        f"observations          {result['num_observations']}",
-        f"objects               {' -> '.join(map(str, result['counts_per_iteration']))}",
-        f"chi2                  {result['chi2']:.2f}",
-        *([] if result["objective"] is None else [f"objective             {result['objective']:.2f}"]),
-        f"seconds               {result['seconds']:.3f}",
-        *_restart_lines(result["restarts"]),
-    ]
-    metrics = result.get("metrics")
-    if metrics is None:
-        return "\n".join([*lines, *_quality_lines(result["quality"]), "the file holds no truth to compare with"])
-    return "\n".join(
-        [
-            *lines,
-            f"mean pose error       {metrics['mean_pose_error']:.3f} m",
-            f"mean object error     {_number_text(metrics['mean_object_error'], ' m')}",
-            f"objects in truth      {metrics['num_objects_true']}",
-            f"ARI, V-measure        {metrics['ari']:.3f}, {metrics['v_measure']:.3f}",
-            f"observations used     {100 * metrics['observations_used']:.1f}%",
-            f"chi2 per dof          {_number_text(metrics['chi2_per_dof'])}",
-        ]
-    )
-
-
-def _number_text(value: float, unit: str = "") -> str:
-    return "does not exist" if math.isnan(value) else f"{value:.3f}{unit}"
-
-
-def _settings_text(settings: dict) -> str:
-    """Everything that was used, in one line."""
-    words = [settings["name"]]
-    for name, value in settings.items():
-        if name == "exclusive":
-            words.append("one object per observation of a frame" if value else "observations one by one")
-        elif name != "name":
-            numbers = value if isinstance(value, tuple | list) else [value]
-            shown = " ".join(each if isinstance(each, str) else f"{each:.4g}" for each in numbers)
-            words.append(f"{name.replace('_', '-')} {shown}")
-    return ", ".join(words)
-
-
-def _restart_lines(restarts: list[dict]) -> list[str]:
-    """How much hangs on the order of the visits."""
-    if len(restarts) == 1:
-        return []
-    counts, objectives = ([each[name] for each in restarts] for name in ("num_objects", "objective"))
-    spread = f"{min(counts)} to {max(counts)} objects, objective {min(objectives):.2f} to {max(objectives):.2f}"
-    return [f"restarts              {len(restarts)} orders: {spread}; the lowest is kept"]
-
-
-def _quality_lines(quality: dict) -> list[str]:
-    """The measures of lesson 08, for a result that nobody can compare with the truth."""
-    scatter = quality["position_variance"]
-    return [
-        f"valid objects         {quality['num_valid']}",
-        f"their observations    {quality['num_inliers']}",
-        *([] if math.isnan(scatter) else [f"scatter               {math.sqrt(scatter):.3f} m around the objects"]),
-    ]
 
 
 def optimize_result(optimum: Optimum, chi2_initial: float, seconds) -> dict:

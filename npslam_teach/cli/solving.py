@@ -7,9 +7,11 @@ import numpy as np
 
 from npslam_teach import experiments
 from npslam_teach.association import PAPER_ALPHA, same_partition
+from npslam_teach.evaluation import refitted_objective
 from npslam_teach.methods import METHODS, paper_settings, settings_for
 from npslam_teach.methods.snapshots import snapshot
 from npslam_teach.pose_graph import fit
+from npslam_teach.system.progress import track
 from npslam_teach.types import RobotLog
 
 GIVEN = "alpha threshold kernel_std odometry_std observation_std area order iterations gate exclusive".split()
@@ -40,11 +42,18 @@ def require_options(options) -> None:
             raise ValueError("--restarts: expected no --order beside it, because every restart has an order of its own")
 
 
+def score(options, log: RobotLog, found: experiments.Run) -> float:
+    """``refitted_objective``: one alpha and one area for every method."""
+    given = {"alpha": options.alpha, "area": options.area}
+    constants = {name: value for name, value in given.items() if value is not None}
+    return refitted_objective(found.snapshots[-1], log, **constants)
+
+
 def run(options, log: RobotLog, settings: dict) -> tuple[experiments.Run, list[dict]]:
     """The run with the lowest objective among all restarts, and what every restart came to."""
     orders = [None] + [np.random.default_rng([options.seed, k]) for k in range(1, options.restarts)]
     best, restarts = None, []
-    for rng in orders:
+    for rng in orders if options.restarts == 1 else track(orders, options.restarts, "restarts", "orders"):
         order = {} if rng is None else {"order": rng.permutation(log.num_observations)}
         attempt = experiments.run_method(options.method, log, settings | order)
         last = attempt.snapshots[-1]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from npslam_teach import plotting
+from npslam_teach.system.progress import track
 
 
 @dataclass(frozen=True)
@@ -18,7 +19,6 @@ class FigureFile:
 
 def draw_files(entries: Iterable[FigureFile], folder: Path) -> None:
     """Draw figures into a folder, each as PNG and SVG."""
-    from tqdm import tqdm
-
-    for entry in tqdm(list(entries), desc="figures", unit="figure", delay=2, leave=False):
+    entries = list(entries)
+    for entry in track(entries, len(entries), "figures", "figures"):
         plotting.save(entry.draw(), folder / entry.name)

@@ -1,7 +1,7 @@
 """How good is an estimate?
 
 With the truth: ``metrics`` and ``clustering``. Against its own claims: ``consistency``. Without any truth:
-``map_quality``.
+``map_quality``, and ``score`` to compare methods.
 """
 
 from npslam_teach.evaluation.clustering import compare_partitions, copies_of, singletons_for_unassigned
@@ -13,17 +13,20 @@ from npslam_teach.evaluation.consistency import (
     true_association_fit,
 )
 from npslam_teach.evaluation.map_quality import MapQuality, map_quality, position_variance, valid_only
-from npslam_teach.evaluation.metrics import Metrics, distances_to_truth, evaluate
+from npslam_teach.evaluation.metrics import Metrics, align_to_truth, distances_to_truth, evaluate
+from npslam_teach.evaluation.score import refitted_objective
 
 __all__ = [
     "Metrics",
     "MapQuality",
+    "align_to_truth",
     "chi2_per_dof",
     "compare_partitions",
     "copies_of",
     "distances_to_truth",
     "evaluate",
     "position_variance",
+    "refitted_objective",
     "map_quality",
     "share_inside",
     "share_within",

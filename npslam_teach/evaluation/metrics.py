@@ -12,19 +12,19 @@ from npslam_teach import se2
 from npslam_teach.evaluation.clustering import compare_partitions, singletons_for_unassigned
 from npslam_teach.evaluation.consistency import chi2_per_dof
 from npslam_teach.pose_graph import fit
-from npslam_teach.types import GroundTruth, RobotLog, Snapshot
+from npslam_teach.types import UNKNOWN, GroundTruth, RobotLog, Snapshot
 
 
 @dataclass(frozen=True)
 class Metrics:
-    """Everything that the tables report. A quantity that does not exist is NaN."""
+    """Everything that the tables report. A quantity that does not exist, or that the truth does not tell, is NaN."""
 
     mean_pose_error: float  # m
     rmse_pose_error: float  # m
     cumulative_pose_error: float  # m, summed over the poses (paper table I)
     mean_object_error: float  # m, averaged over the observations of real objects
     num_objects: int
-    num_objects_true: int  # of those that were seen
+    num_objects_true: float  # of those that were seen, a whole number
     ari: float
     v_measure: float
     observations_used: float  # share of all observations
@@ -37,11 +37,11 @@ class Metrics:
 
 
 def evaluate(snapshot: Snapshot, truth: GroundTruth, log: RobotLog) -> Metrics:
-    """Compare a snapshot with the truth.
+    """Compare a snapshot with the truth: with all that is known of it.
 
     Args:
         snapshot: the estimate.
-        truth: what really happened.
+        truth: what really happened; what is unknown is left out of every measure.
         log: what was measured, for the sensor's noise in ``chi2_per_dof``.
 
     Raises:
@@ -54,16 +54,14 @@ def evaluate(snapshot: Snapshot, truth: GroundTruth, log: RobotLog) -> Metrics:
         )
     pose_errors, object_errors = distances_to_truth(snapshot, truth)
     num_used = int(np.count_nonzero(snapshot.labels >= 0))
-    ari, v_measure = compare_partitions(
-        singletons_for_unassigned(truth.obs_object), singletons_for_unassigned(snapshot.labels)
-    )
+    ari, v_measure, num_objects_true = _compared_labels(snapshot.labels, truth.obs_object)
     return Metrics(
-        mean_pose_error=float(pose_errors.mean()),
-        rmse_pose_error=float(np.sqrt((pose_errors**2).mean())),
-        cumulative_pose_error=float(pose_errors.sum()),
-        mean_object_error=float(object_errors.mean()) if object_errors.size else float("nan"),
+        mean_pose_error=_mean(pose_errors),
+        rmse_pose_error=float(np.sqrt(_mean(pose_errors**2))),
+        cumulative_pose_error=float(pose_errors.sum()) if pose_errors.size else float("nan"),
+        mean_object_error=_mean(object_errors),
         num_objects=snapshot.num_objects,
-        num_objects_true=len(np.unique(truth.obs_object[truth.obs_object >= 0])),
+        num_objects_true=num_objects_true,
         ari=ari,
         v_measure=v_measure,
         observations_used=num_used / max(log.num_observations, 1),
@@ -73,15 +71,44 @@ def evaluate(snapshot: Snapshot, truth: GroundTruth, log: RobotLog) -> Metrics:
 
 
 def distances_to_truth(snapshot: Snapshot, truth: GroundTruth) -> tuple[np.ndarray, np.ndarray]:
-    """Distances after the best rigid alignment of the trajectories.
+    """Distances after the best rigid alignment of the trajectories, wherever the truth is known.
+
+    Two true positions at least are needed for it; with fewer there are no distances.
 
     Returns:
-        (T,) m for the poses; (U,) m for the observations in use that are of real objects: how far the object that each
-        was given to lies from the object it was of.
+        (T,) m for the poses of known position; (U,) m for the observations in use that are of real objects of known
+        position: how far the object that each was given to lies from the object it was of.
     """
-    motion = se2.align(snapshot.graph.poses[:, :2], truth.poses[:, :2])
+    motion = align_to_truth(snapshot.graph.poses, truth)
+    if motion is None:
+        return np.zeros(0), np.zeros(0)
     pose_errors = np.linalg.norm(se2.apply(motion, snapshot.graph.poses[:, :2]) - truth.poses[:, :2], axis=1)
     used = (snapshot.labels >= 0) & (truth.obs_object >= 0)
     landmarks = se2.apply(motion, snapshot.graph.landmarks)
     true_xy = truth.world.object_xy[truth.obs_object[used]]
-    return pose_errors, np.linalg.norm(landmarks[snapshot.labels[used]] - true_xy, axis=1)
+    object_errors = np.linalg.norm(landmarks[snapshot.labels[used]] - true_xy, axis=1)
+    return pose_errors[~np.isnan(pose_errors)], object_errors[~np.isnan(object_errors)]
+
+
+def align_to_truth(poses: np.ndarray, truth: GroundTruth) -> np.ndarray | None:
+    """The rigid motion (3,) that lays a path (T, 3) over the known positions of the true one.
+
+    None where fewer than two are known, unless that is all there are.
+    """
+    known = ~np.isnan(truth.poses[:, :2]).any(axis=1)
+    if np.count_nonzero(known) < min(2, len(known)):
+        return None
+    return se2.align(poses[known, :2], truth.poses[known, :2])
+
+
+def _compared_labels(labels: np.ndarray, true_object: np.ndarray) -> tuple[float, float, float]:
+    """ARI, V-measure and the true number of objects, of the observations whose object is known."""
+    known = true_object != UNKNOWN
+    if not known.any() and known.size:
+        return float("nan"), float("nan"), float("nan")
+    pair = singletons_for_unassigned(true_object[known]), singletons_for_unassigned(labels[known])
+    return *compare_partitions(*pair), len(np.unique(true_object[true_object >= 0]))
+
+
+def _mean(errors: np.ndarray) -> float:
+    return float(errors.mean()) if errors.size else float("nan")

@@ -8,6 +8,7 @@ import numpy as np
 from npslam_teach import simulate
 from npslam_teach.evaluation import chi2_per_dof, distances_to_truth, true_association_fit
 from npslam_teach.experiments.runs import Run, Scene, row_of, run_method
+from npslam_teach.system.progress import track
 from npslam_teach.types import GroundTruth, Snapshot
 
 
@@ -28,8 +29,9 @@ def scenes(data: str | None, noise: float, seeds: Iterable[int]) -> Iterator[Sce
     from npslam_teach import datasets
 
     log, truth = datasets.load_log(data)
-    if truth is None:
-        raise ValueError(f"{data}: expected a log with the true poses and objects, got one without")
+    if truth is None or not truth.is_complete:
+        got = "one without" if truth is None else "one that knows a part of them"
+        raise ValueError(f"{data}: expected a log with the true poses and objects, got {got}")
     name = Path(data).name
     return (Scene(name, s, noise, simulate.add_noise(log, noise, np.random.default_rng(s)), truth) for s in seeds)
 
@@ -48,10 +50,8 @@ def run_all(
     Returns:
         the result as ``--json`` prints it; the first scene and its runs by method, for the figures.
     """
-    from tqdm import tqdm
-
     rows, first = [], None
-    for scene in tqdm(scenes, total=num_scenes, desc="reproduce", unit="run", delay=2, leave=False):
+    for scene in track(scenes, num_scenes, "reproduce", "runs"):
         runs = {}
         for method in methods:
             settings = {"iterations": iterations} if method == "np-graph" else {}

@@ -6,6 +6,7 @@ from functools import cache
 
 from npslam_teach import simulate
 from npslam_teach.methods import METHODS
+from npslam_teach.system.progress import track
 from npslam_teach.types import GroundTruth, RobotLog, Snapshot
 
 
@@ -38,7 +39,7 @@ def run_one(scene: Scene, method: str, settings: dict) -> dict:
         method: a key of ``methods.METHODS``.
         settings: keyword arguments of the method.
     """
-    return row_of(scene, run_method(method, scene.log, settings, progress=False))
+    return row_of(scene, run_method(method, scene.log, settings))
 
 
 def row_of(scene: Scene, run: Run) -> dict:
@@ -46,27 +47,21 @@ def row_of(scene: Scene, run: Run) -> dict:
     return {"seed": scene.seed, "noise": scene.noise} | run_summary(run, scene.truth)
 
 
-def run_method(method: str, log: RobotLog, settings: dict, progress: bool = True) -> Run:
+def run_method(method: str, log: RobotLog, settings: dict) -> Run:
     """Run a method by its name on the command line and keep every snapshot.
 
     Args:
         method: a key of ``methods.METHODS``.
         log: what the robot measured.
         settings: keyword arguments of the method.
-        progress: whether a bar shows itself when the work takes longer than two seconds.
     """
-    from tqdm import tqdm
-
     _warm_up(method)
-    snapshots, steps = [], METHODS[method](log, **settings)
-    with tqdm(steps, desc=method, unit=" iterations", delay=2, leave=False, disable=not progress) as bar:
-        begin = time.perf_counter()
-        for snapshot in bar:
-            snapshots.append(snapshot)
-            # A refresh now would show the bar at once, and leave it there.
-            bar.set_postfix(objects=snapshot.num_objects, refresh=False)
-        seconds = time.perf_counter() - begin
-    return Run(method, log, snapshots, seconds)
+    steps, most = METHODS[method](log, **settings), METHODS[method].settings.get("iterations")
+    if most is not None:  # an alternation; other methods count what they loop over themselves
+        steps = track(steps, 1 + settings.get("iterations", most), method, "iterations")
+    begin = time.perf_counter()
+    snapshots = list(steps)
+    return Run(method, log, snapshots, time.perf_counter() - begin)
 
 
 @cache

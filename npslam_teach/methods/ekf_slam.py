@@ -15,6 +15,7 @@ from npslam_teach.association import one_to_one
 from npslam_teach.methods.ekf import new_filter, predict, squared_distances, update, with_new_object
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
 from npslam_teach.pose_graph import observation_factors, odometry_factors, squared_radius
+from npslam_teach.system.progress import track
 from npslam_teach.types import PoseGraph, RobotLog, Snapshot
 from npslam_teach.validation import checked_array
 
@@ -91,7 +92,8 @@ def run_filter(log: RobotLog, gate: float = GATE, new_gate: float = NEW_GATE, **
     labels, distance = np.full(log.num_observations, UNASSIGNED), np.full(log.num_observations, np.nan)
     poses, pose_cov = np.empty((log.num_poses, 3)), np.empty((log.num_poses, 3, 3))
     nis, nis_dof = np.full(log.num_poses, np.nan), np.zeros(log.num_poses, dtype=int)
-    for step in filter_steps(log, gate, new_gate, **settings):
+    steps = filter_steps(log, gate, new_gate, **settings)
+    for step in track(steps, log.num_poses, "ekf", "frames"):
         t, matched = step.time, np.flatnonzero(step.decision >= 0)
         labels[step.observations] = step.labels
         distance[step.observations[matched]] = step.squared_distance[matched, step.decision[matched]]

@@ -12,6 +12,7 @@ from npslam_teach import se2
 from npslam_teach.association import PAPER_KERNEL_STD, association_weights, require_kernel
 from npslam_teach.methods.snapshots import PAPER_OBSERVATION_STD, PAPER_ODOMETRY_STD, initial_snapshot, snapshot
 from npslam_teach.pose_graph import mean_landmarks, with_associations
+from npslam_teach.system.progress import track
 from npslam_teach.types import RobotLog, Snapshot
 
 
@@ -49,7 +50,7 @@ def join_earlier_observations(
 ) -> np.ndarray:
     """The object of each observation: that of the most alike earlier one, or a new one; (M,)."""
     labels, num_objects = np.empty(len(obs_class), dtype=int), 0
-    for k in range(len(obs_class)):
+    for k in track(range(len(obs_class)), len(obs_class), "open-loop", "observations"):
         distance = np.linalg.norm(obs_xy_world[:k] - obs_xy_world[k], axis=1)
         likeness = association_weights(obs_class[:k] == obs_class[k], distance, kernel_std)
         if likeness.max(initial=0.0) > threshold:

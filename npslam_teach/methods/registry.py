@@ -19,6 +19,7 @@ class Method:
     name: str  # on the command line and in tables
     function: Callable[..., Iterator[Snapshot]]
     style: dict  # of its lines in every picture: colour, line and marker in matplotlib's words
+    assumes: str  # what a reader of its answer must know, in a clause
     has_objective: bool = False  # whether it lowers ``association.objective``
     in_paper: bool = True  # whether the paper compares it
 
@@ -34,15 +35,38 @@ class Method:
 
 
 _ALL = (
-    Method("np-graph", np_graph, {"color": "#00659f", "linestyle": "-", "marker": "o"}, has_objective=True),
-    Method("robust-slam", robust_slam, {"color": "#d45e00", "linestyle": "-.", "marker": "s"}),
-    Method("open-loop", open_loop, {"color": "#712553", "linestyle": "--", "marker": "D"}),
+    Method(
+        "np-graph",
+        np_graph,
+        {"color": "#00659f", "linestyle": "-", "marker": "o"},
+        "every observation is of a real object that stands still (clutter becomes objects), and no class is confused",
+        has_objective=True,
+    ),
+    Method(
+        "robust-slam",
+        robust_slam,
+        {"color": "#d45e00", "linestyle": "-.", "marker": "s"},
+        "there is one object of each class; what disagrees with it is left out",
+    ),
+    Method(
+        "open-loop",
+        open_loop,
+        {"color": "#712553", "linestyle": "--", "marker": "D"},
+        "the odometry does not drift, every observation is of a real object, and no class is confused",
+    ),
     # Its trajectory is open loop's, so that their curves coincide: a wide line shows on both sides of the dashed one.
     Method(
         "frame-by-frame",
         frame_by_frame,
         {"color": "#38ba8d", "linestyle": "-", "marker": "^", "linewidth": 6.0, "zorder": 1.8},
+        "the odometry does not drift, and nothing is seen twice",
     ),
-    Method("ekf", ekf_slam, {"color": "#ddd32e", "linestyle": (0, (6, 1)), "marker": "v"}, in_paper=False),
+    Method(
+        "ekf",
+        ekf_slam,
+        {"color": "#ddd32e", "linestyle": (0, (6, 1)), "marker": "v"},
+        "the log's noise is right and no class is confused; clutter far from every object becomes one",
+        in_paper=False,
+    ),
 )
 METHODS = {method.name: method for method in _ALL}

@@ -18,6 +18,7 @@ from npslam_teach.association import (
 )
 from npslam_teach.methods.snapshots import PAPER_OBSERVATION_STD, PAPER_ODOMETRY_STD, initial_snapshot, snapshot
 from npslam_teach.pose_graph import mean_landmarks, optimize, with_associations
+from npslam_teach.system.progress import track
 from npslam_teach.types import RobotLog, Snapshot
 
 
@@ -59,7 +60,8 @@ def join_first_of_class(
     """Which observations are used: the first of each class, and those like one used before; (M,) bool."""
     joined = np.zeros(len(obs_class), dtype=bool)
     joined[np.unique(obs_class, return_index=True)[1]] = True
-    for k in np.flatnonzero(~joined):
+    others = np.flatnonzero(~joined)
+    for k in track(others, len(others), "robust-slam", "observations"):
         comparable = joined & (obs_class == obs_class[k])
         distance = np.linalg.norm(obs_xy_world[comparable] - obs_xy_world[k], axis=1)
         joined[k] = association_weights(1.0, distance, kernel_std).max() > threshold

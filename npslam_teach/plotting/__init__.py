@@ -13,6 +13,7 @@ from npslam_teach.plotting.curves import (
 from npslam_teach.plotting.export import save, show, show_animation
 from npslam_teach.plotting.maps import plot_objects, plot_snapshot, plot_trajectory, plot_truth, plot_view
 from npslam_teach.plotting.panels import animate, plot_iterations, plot_methods
+from npslam_teach.plotting.result import result_figures
 from npslam_teach.plotting.style import class_style, method_style, new_figure
 
 __all__ = [
@@ -31,6 +32,7 @@ __all__ = [
     "plot_trajectory",
     "plot_truth",
     "plot_view",
+    "result_figures",
     "save",
     "show",
     "show_animation",

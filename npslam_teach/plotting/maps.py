@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Wedge
 
 from npslam_teach import se2
+from npslam_teach.evaluation import align_to_truth
 from npslam_teach.plotting.style import (
     ESTIMATE_COLOR,
     ESTIMATE_LINE,
@@ -165,16 +166,17 @@ def classes_of(snapshot: Snapshot) -> np.ndarray:
 def laid_over_truth(snapshot: Snapshot, truth: GroundTruth | None) -> tuple[np.ndarray, np.ndarray]:
     """Poses (T, 3) and objects (K, 2), moved rigidly to fit the true path best; as they are without a truth."""
     poses, landmarks = snapshot.graph.poses, snapshot.graph.landmarks
-    if truth is None:
+    motion = None if truth is None else align_to_truth(poses, truth)
+    if motion is None:
         return poses, landmarks
-    motion = se2.align(poses[:, :2], truth.poses[:, :2])
     return se2.compose(motion, poses), se2.apply(motion, landmarks)
 
 
 def names_of_classes(log: RobotLog, truth: GroundTruth | None, class_names) -> tuple:
-    """The names given, else those of the truth, else "class 0", "class 1", ..."""
+    """The names given, else those of the truth or the log, else "class 0", "class 1", ..."""
     if class_names is None:
-        class_names = [f"class {c}" for c in range(log.num_classes)] if truth is None else truth.world.class_names
+        names = log.class_names or [f"class {c}" for c in range(log.num_classes)]
+        class_names = names if truth is None else truth.world.class_names
     if len(class_names) < log.num_classes:
         raise ValueError(f"class_names: expected a name for each of {log.num_classes} classes, got {len(class_names)}")
     return tuple(class_names)

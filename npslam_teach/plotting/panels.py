@@ -105,8 +105,9 @@ def _extent(snapshots: list, truth: GroundTruth | None) -> tuple[np.ndarray, np.
     """The corners (2,) m of a box around everything that is drawn, with a margin."""
     points = [xy[:, :2] for snapshot in snapshots for xy in laid_over_truth(snapshot, truth)]
     points = np.concatenate(points + ([truth.poses[:, :2], truth.world.object_xy] if truth else []))
-    margin = 0.05 * np.ptp(points, axis=0).max() + 0.1
-    return points.min(axis=0) - margin, points.max(axis=0) + margin
+    low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
+    margin = 0.05 * (high - low).max() + 0.1
+    return low - margin, high + margin
 
 
 def _height_over_width(low: np.ndarray, high: np.ndarray) -> float:

@@ -127,6 +127,7 @@ def visible_objects(
     Returns:
         (V,) pose index, in increasing order; (V,) object index; (V, 2) m, the object in the frame of the pose.
     """
+    checked_array("world.object_xy", world.object_xy, (None, 2))  # a truth may have gaps, a scene may not
     shape, observations = (len(path), *world.object_xy.shape), []
     if object_paths is None:
         object_xy = np.broadcast_to(world.object_xy, shape)

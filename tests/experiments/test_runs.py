@@ -21,7 +21,7 @@ def perf_counter(clock=time.perf_counter):
     loaded.append(set(sys.modules))
     return clock()
 time.perf_counter = perf_counter
-experiments.run_method(sys.argv[1], log, {}, progress=False)
+experiments.run_method(sys.argv[1], log, {})
 print(json.dumps(sorted(loaded[-1] - loaded[0])))
 """
 

@@ -19,7 +19,7 @@ from mutations import SUFFIXES, damaged
 
 from npslam_teach import datasets, pose_graph, types
 from npslam_teach.cli import parser
-from npslam_teach.datasets import log_files
+from npslam_teach.datasets import log_fields, log_files
 from npslam_teach.methods import METHODS
 from npslam_teach.pose_graph import observation_factors, odometry_factors
 
@@ -107,7 +107,9 @@ def refuse(word: str):
     raise ValueError(f"{word} in JSON")
 
 
+OF_TRUTH = ("mean_pose_error", "rmse_pose_error", "cumulative_pose_error", "num_objects_true", "ari", "v_measure")
 MAY_BE_MISSING = (
+    *(f"result.metrics.{name}" for name in OF_TRUTH),  # where the truth is, see ``wrong_with_log``
     "result.metrics.chi2_per_dof",
     "result.metrics.mean_object_error",
     "result.quality.position_variance",
@@ -186,6 +188,8 @@ def wrong_with_log(result: dict, path: Path, arguments: list) -> str | None:
         return "the result is of another size than the log"
     if (truth is None) == ("metrics" in result):
         return "metrics without truth, or truth without metrics"
+    if truth is not None and truth.is_complete and None in (result["metrics"][name] for name in OF_TRUTH):
+        return "a measure is missing that the truth allows"
     votes = np.array([entry["votes"] for entry in result["objects"]]).reshape(-1, log.num_classes + 1)
     if votes.sum() != np.count_nonzero(labels >= 0) + len(votes) or (votes[:, 0] != 1).any():
         return "votes are not one for every observation and one against every object"
@@ -208,7 +212,7 @@ def other_than_numpy(path: Path, log) -> str | None:
     with zipfile.ZipFile(path) as archive, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of headers as Python 2 wrote them
         entries = {name.removesuffix(".npy"): name for name in archive.namelist()}
-        for name in log_files.LOG_FIELDS:
+        for name in log_fields.LOG_FIELDS:
             with archive.open(entries[name]) as stream:
                 if not np.array_equal(np.lib.format.read_array(stream), getattr(log, name)):
                     return f"{name} is not what NumPy reads"

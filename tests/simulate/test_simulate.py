@@ -93,6 +93,7 @@ def test_the_log_holds_no_identity():
         "num_classes",
         "odometry_std",
         "observation_std",
+        "class_names",
     }
     same_frame = np.diff(log.obs_time) == 0
     falls = np.diff(truth.obs_object)[same_frame] < 0

@@ -1,0 +1,81 @@
+"""Progress bars: one, on a terminal, for those who ask; otherwise not a byte."""
+
+import contextlib
+import io
+
+import pytest
+
+from npslam_teach import simulate
+from npslam_teach.experiments import run_method
+from npslam_teach.methods import METHODS
+from npslam_teach.system import progress
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+class Pipe(io.StringIO):
+    pass
+
+
+@pytest.fixture(autouse=True)
+def at_once(monkeypatch):
+    """Bars that come at once."""
+    monkeypatch.setattr(progress, "DELAY", 0)
+
+
+@contextlib.contextmanager
+def written_to(stream, wanted=True):
+    """What standard error gets. Within the test: pytest puts its own stream in place after every fixture."""
+    with contextlib.redirect_stderr(stream), progress.progress_shown() if wanted else contextlib.nullcontext():
+        yield stream
+
+
+def walk(inner=3):
+    return [[*progress.track(range(inner), inner, "inner", "steps")] for _ in progress.track(range(2), 2, "outer", "x")]
+
+
+def test_a_terminal_shows_the_outermost_loop():
+    with written_to(Terminal()) as stderr:
+        assert walk() == [[0, 1, 2]] * 2
+    assert "outer" in stderr.getvalue() and "inner" not in stderr.getvalue()
+    assert stderr.getvalue().endswith("\r"), "the bar is wiped away"
+
+
+def test_a_library_stays_silent():
+    with written_to(Terminal(), wanted=False) as stderr:
+        assert walk() == [[0, 1, 2]] * 2
+    assert stderr.getvalue() == ""
+
+
+def test_what_is_no_terminal_gets_nothing():
+    with written_to(Pipe()) as stderr:
+        walk()
+    assert stderr.getvalue() == ""
+
+
+def test_a_loop_that_is_left_early_gives_the_bar_back():
+    with written_to(Terminal()) as stderr:
+        next(progress.track(range(5), 5, "first", "steps"))
+        list(progress.track(range(5), 5, "second", "steps"))
+    assert "second" in stderr.getvalue()
+
+
+COUNTS = {
+    "np-graph": "iterations",
+    "ekf": "frames",
+    "open-loop": "observations",
+    "robust-slam": "observations",
+    "frame-by-frame": None,
+}
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_method_counts_what_takes_its_time(method):
+    log, _ = simulate.toy_objects()
+    with written_to(Terminal()) as stderr:
+        run_method(method, log, {})
+    unit = COUNTS[method]
+    assert f"{method}: " in stderr.getvalue() and f" {unit}/s" in stderr.getvalue() if unit else not stderr.getvalue()

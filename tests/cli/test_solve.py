@@ -1,11 +1,12 @@
 """``solve``: what it prints and writes, and what it says of its own answer."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from commands import SOLVE_FIELDS, assert_one_sentence, call, saved, small_log
+from commands import ROOT, SOLVE_FIELDS, assert_one_sentence, call, saved, small_log
 from layouts import LOG_FIELDS
 
 from npslam_teach import datasets, evaluation, pose_graph
@@ -235,3 +236,10 @@ def test_solve_writes_its_result(capsys, log_file, tmp_path):
     code, out, _ = call(capsys, "solve", log_file, "--json", "--out", tmp_path / "result.g2o")
     graph = datasets.load_g2o(tmp_path / "result.g2o")
     assert pose_graph.chi2(graph) == pytest.approx(json.loads(out)["chi2"], rel=1e-9)
+
+
+def test_the_table_in_the_readme_is_a_log(capsys, tmp_path):
+    (table,) = re.findall(r"```\n(kind,time.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.S)
+    (tmp_path / "run.csv").write_text(table, encoding="utf-8")
+    result = json.loads(call(capsys, "solve", tmp_path / "run.csv", "--json")[1])
+    assert (result["num_observations"], result["num_objects"]) == (2, 1)

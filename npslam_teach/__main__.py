@@ -9,7 +9,7 @@ def run() -> int:
     """Run the command of this process; returns its exit code."""
     interruption.end_at_once()
     try:
-        from npslam_teach.system.environment import enter_environment
+        from npslam_teach.system.interpreter import enter_environment
 
         with interruption.critical_section():  # a set-up under way explains itself
             enter_environment(sys.argv[1:])

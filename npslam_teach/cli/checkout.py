@@ -4,7 +4,7 @@ import os
 import sys
 from pathlib import Path
 
-from npslam_teach.system.environment import replace_process
+from npslam_teach.system.interpreter import replace_process
 
 ROOT = Path(__file__).absolute().parent.parent.parent
 # Of the tests: the mathematics, the files and the command line.

@@ -7,16 +7,19 @@ import shutil
 import subprocess
 import sys
 import tomllib
+import zipfile
 from pathlib import Path
 
 import pytest
 from packaging.requirements import Requirement
 
 from npslam_teach.system import environment as env
+from npslam_teach.system import interpreter
 
 ROOT = Path(__file__).parents[2]
-SYSTEM = ("__init__.py", "environment.py", "interruption.py", "locking.py")
+SYSTEM = ("__init__.py", "environment.py", "interpreter.py", "interruption.py", "locking.py")
 STDLIB_ONLY = ["__main__.py", "__init__.py", *(f"system/{name}" for name in SYSTEM)]
+VERIFICATION = "npslam_teach.system.verification"
 ABSENT = "there-is-no-such-package"
 
 
@@ -32,10 +35,14 @@ class Pip:
 
     def __init__(self, monkeypatch, course):
         self.calls, self.stamps_seen, self.exit_code = [], [], 0
+        self.verifications, self.verification_code = 0, 0
         self.error, self.course = None, course
         monkeypatch.setattr(env, "run_python", self.run)
 
     def run(self, environment, arguments, lock):
+        if arguments[1] == VERIFICATION:
+            self.verifications += 1
+            return self.verification_code
         self.calls.append(arguments[1])
         self.stamps_seen.append(self.course.stamp.exists())
         if self.error is not None and arguments[1] == "pip":
@@ -51,9 +58,9 @@ def pip(monkeypatch, course):
 def enter(course, capfd, monkeypatch, arguments=("solve",)):
     """Call enter_environment; return its exit code, what it started over with and what it said."""
     started = []
-    monkeypatch.setattr(env, "start_over", lambda python, rest: started.append((python, rest)))
+    monkeypatch.setattr(interpreter, "start_over", lambda python, rest, root: started.append((python, rest)))
     try:
-        env.enter_environment(list(arguments), course.root)
+        interpreter.enter_environment(list(arguments), course.root)
         code = 0
     except SystemExit as stop:
         code = stop.code
@@ -77,11 +84,65 @@ def site_packages_of(course):
 
 def test_an_interpreter_that_satisfies_environment_txt_is_used_as_it_is(course, pip, capfd, monkeypatch):
     course.requirements.write_text("# a comment\n\npytest>=7  # why\nabsent>=1; python_version < '3'\n")
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(["elsewhere", str(course.root)]))
+    monkeypatch.delenv("PYTHONPATH", raising=False)
     assert enter(course, capfd, monkeypatch) == (0, [], "")
     assert pip.calls == [] and [path.name for path in course.root.iterdir()] == ["environment.txt"]
     # Its kernels start in other folders and must find the package all the same.
-    assert os.environ["PYTHONPATH"] == os.pathsep.join([str(course.root), "elsewhere"])
+    assert os.environ["PYTHONPATH"] == str(course.root)
+
+
+def test_it_starts_over_without_the_packages_of_others(course, pip, capfd, monkeypatch):
+    course.requirements.write_text("pytest\n")
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(["/opt/ros/lib", str(course.root)]))
+    assert enter(course, capfd, monkeypatch) == (0, [(Path(sys.executable), ["solve"])], "")
+    assert pip.calls == []
+
+
+def test_packages_that_only_pythonpath_has_are_used(course, pip, capfd, monkeypatch, tmp_path):
+    """As on a cluster whose modules hand out NumPy."""
+    metadata = tmp_path / "modules" / "cluster_numpy-2.0.dist-info"
+    metadata.mkdir(parents=True)
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: cluster-numpy\nVersion: 2.0\n")
+    course.requirements.write_text("pytest\ncluster-numpy>=2\n")
+    monkeypatch.syspath_prepend(str(tmp_path / "modules"))
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "modules"))
+    assert enter(course, capfd, monkeypatch) == (0, [], "")
+    assert pip.calls == []
+    assert os.environ["PYTHONPATH"] == os.pathsep.join([str(course.root), str(tmp_path / "modules")])
+
+
+def test_a_set_up_is_verified_before_it_is_stamped(course, pip, capfd, monkeypatch):
+    pip.verification_code = 1
+    code, started, err = enter(course, capfd, monkeypatch)
+    assert (code, started, pip.verifications) == (2, [], 1) and not course.stamp.exists()
+    assert_one_sentence(err)
+    pip.verification_code = 0
+    assert enter(course, capfd, monkeypatch)[:2] == (0, [(course.python, ["solve"])])
+    assert course.stamp.exists()
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ("pytest>=7\n# why\n\nnbval\nabsent; python_version < '3'\n", None),
+        ("pytest\nthere-is-none\n", "there-is-none: "),
+        ("broken\n", "broken: RuntimeError: half installed."),
+    ],
+)
+def test_what_was_installed_is_imported(tmp_path, lines, words):
+    metadata = tmp_path / "site" / "broken-1.0.dist-info"
+    metadata.mkdir(parents=True)
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: broken\nVersion: 1.0\n")
+    (metadata / "top_level.txt").write_text("broken_module\n")
+    (tmp_path / "site" / "broken_module.py").write_text("raise RuntimeError('half\\ninstalled')\n")
+    (tmp_path / "requirements.txt").write_text(lines)
+    path = os.pathsep.join([str(tmp_path / "site"), str(ROOT)])
+    done = run([sys.executable, "-m", VERIFICATION, "requirements.txt"], tmp_path, PYTHONPATH=path)
+    if words is None:
+        assert (done.returncode, done.stderr) == (0, "")
+    else:
+        assert done.returncode == 1 and done.stderr.startswith("npslam_teach: " + words)
+        assert len(done.stderr.splitlines()) == 1
 
 
 @pytest.mark.parametrize(
@@ -97,19 +158,19 @@ def test_an_interpreter_that_satisfies_environment_txt_is_used_as_it_is(course, 
 )
 def test_satisfies_reads_names_bounds_and_markers(course, line, answer):
     course.requirements.write_text(f"packaging\n{line}\n")
-    assert env.satisfies(course.requirements) is answer
+    assert interpreter.satisfies(course.requirements) is answer
 
 
 def test_without_packaging_nothing_is_satisfied(course, monkeypatch):
     course.requirements.write_text("pytest\n")
     monkeypatch.setitem(sys.modules, "packaging.requirements", None)
-    assert env.satisfies(course.requirements) is False
+    assert interpreter.satisfies(course.requirements) is False
 
 
 def test_a_half_removed_package_does_not_satisfy(course, monkeypatch):
     course.requirements.write_text("pytest\n")
     monkeypatch.setattr("importlib.metadata.version", lambda name: None)
-    assert env.satisfies(course.requirements) is False
+    assert interpreter.satisfies(course.requirements) is False
 
 
 def test_installed_from_a_wheel_the_current_interpreter_is_used(course, pip, capfd, monkeypatch):
@@ -142,7 +203,7 @@ def test_an_old_python_is_told_what_to_install(version, course, capfd, monkeypat
 
 def test_python_3_11_and_newer_are_accepted():
     for version in [(3, 11, 0), (3, 12, 1), (3, 13, 0), (4, 0, 0)]:
-        env.check_python(version)
+        interpreter.check_python(version)
 
 
 @pytest.mark.parametrize("name", STDLIB_ONLY)
@@ -408,7 +469,7 @@ def copy(tmp_path):
     root = tmp_path / "a course, été"
     for folder in ("system", "cli"):
         (root / "npslam_teach" / folder).mkdir(parents=True)
-    for name in STDLIB_ONLY:
+    for name in [*STDLIB_ONLY, "system/verification.py"]:
         shutil.copy(ROOT / "npslam_teach" / name, root / "npslam_teach" / name)
     (root / "npslam_teach" / "cli" / "parser.py").write_text(
         "import importlib.util, json, sys\n"
@@ -433,11 +494,11 @@ def call(root, *arguments):
 
 def test_foreign_packages_are_those_of_other_folders(tmp_path, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), "", "/opt/ros/lib"]))
-    assert env.foreign_packages(tmp_path) == ["/opt/ros/lib"]
+    assert interpreter.foreign_packages(tmp_path) == ["/opt/ros/lib"]
     monkeypatch.setenv("PYTHONPATH", str(tmp_path / "."))
-    assert env.foreign_packages(tmp_path) == []
+    assert interpreter.foreign_packages(tmp_path) == []
     monkeypatch.delenv("PYTHONPATH")
-    assert env.foreign_packages(tmp_path) == []
+    assert interpreter.foreign_packages(tmp_path) == []
 
 
 @pytest.mark.slow
@@ -474,6 +535,26 @@ def test_from_a_bare_machine_to_an_exit_code(copy):
     assert not env.Environment(moved).stamp.exists()
 
 
+def tiny_wheel(folder):
+    """A package that pip can install without the network."""
+    with zipfile.ZipFile(folder / "tiny-1.0-py3-none-any.whl", "w") as wheel:
+        wheel.writestr("tiny.py", "")
+        wheel.writestr("tiny-1.0.dist-info/METADATA", "Metadata-Version: 2.1\nName: tiny\nVersion: 1.0\n")
+        wheel.writestr("tiny-1.0.dist-info/WHEEL", "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n")
+        wheel.writestr("tiny-1.0.dist-info/RECORD", "tiny.py,,\ntiny-1.0.dist-info/METADATA,,\n")
+
+
+@pytest.mark.slow
+def test_another_place_in_the_configuration_of_pip_is_overruled(copy, tmp_path):
+    tiny_wheel(tmp_path)
+    (copy / "environment.txt").write_text("pip\ntiny\n")
+    (tmp_path / "pip.conf").write_text(f"[install]\nprefix = {tmp_path / 'prefix'}\nroot = {tmp_path / 'root'}\n")
+    more = {"PIP_CONFIG_FILE": tmp_path / "pip.conf", "PIP_TARGET": tmp_path / "target", "PIP_FIND_LINKS": tmp_path}
+    done = run([sys.executable, "-S", "-m", "npslam_teach", "lab"], copy, **{k: str(v) for k, v in more.items()})
+    assert done.returncode == 7, done.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {"pip.conf", "tiny-1.0-py3-none-any.whl", copy.name}
+
+
 class Child:
     """A process during which the user presses Ctrl-C, and which answers it in its own way."""
 
@@ -500,7 +581,7 @@ def test_without_exec_the_exit_code_and_ctrl_c_are_the_childs(monkeypatch):
     monkeypatch.setattr(os, "execv", lambda path, command: None)
     monkeypatch.setattr(subprocess, "Popen", Child)
     with pytest.raises(SystemExit) as stop:
-        env.start_over(Path("python"), ["lab"])
+        interpreter.start_over(Path("python"), ["lab"], ROOT)
     assert stop.value.code == 9
 
 
@@ -517,7 +598,7 @@ def test_environment_txt_and_pyproject_ask_for_the_same_versions():
     needed = requirements_of(project["dependencies"])
     installed = requirements_of((ROOT / "environment.txt").read_text(encoding="utf-8").splitlines())
     assert needed and needed.items() <= installed.items()
-    assert project["requires-python"] == ">=" + ".".join(map(str, env.OLDEST_PYTHON))
+    assert project["requires-python"] == ">=" + ".".join(map(str, interpreter.OLDEST_PYTHON))
 
 
 def test_environment_txt_names_what_the_course_needs():

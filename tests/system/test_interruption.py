@@ -30,9 +30,9 @@ pytestmark = [
 # environment is left out: it could begin to install one.
 COMMAND = """
 import os, sys
-from npslam_teach.system import environment, interruption
+from npslam_teach.system import interpreter, interruption
 from npslam_teach.__main__ import run
-environment.enter_environment = lambda arguments: None
+interpreter.enter_environment = lambda arguments: None
 interruption.end_at_once()
 {before}
 os.write(1, b"ready\\n")

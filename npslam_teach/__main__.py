@@ -1,12 +1,14 @@
 """``python3 -m npslam_teach COMMAND``: find or make the course's environment, then run the command there."""
 
+import os
 import sys
 
-from npslam_teach.system import interruption
+from npslam_teach.system import interruption, streams
 
 
 def run() -> int:
     """Run the command of this process; returns its exit code."""
+    streams.open_standard_streams()
     interruption.end_at_once()
     try:
         from npslam_teach.system.interpreter import enter_environment
@@ -16,6 +18,7 @@ def run() -> int:
 
         from npslam_teach.cli.parser import main
 
+        os.environ["MPLBACKEND"] = "agg"  # nothing is shown, and what a user names may not be installed here
         return main(sys.argv[1:])
     except KeyboardInterrupt:
         interruption.print_interrupted()

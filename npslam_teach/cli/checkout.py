@@ -17,6 +17,8 @@ def lab(options) -> int:
     _require_checkout(ROOT / first)
     # The root is the whole course: lessons show pictures from the folder beside theirs.
     arguments = ["jupyterlab", "--ServerApp.ip=127.0.0.1", f"--ServerApp.root_dir={ROOT}"]
+    # A preferred folder of the user's own lies outside of this one, and Jupyter would refuse to start.
+    arguments += [f"--ServerApp.preferred_dir={ROOT}", f"--ContentsManager.preferred_dir={ROOT}"]
     arguments += [f"--LabApp.default_url=/lab/tree/{first}"]
     if options.port is not None:
         arguments += [f"--ServerApp.port={options.port}", "--ServerApp.port_retries=0"]
@@ -44,7 +46,8 @@ def test(options) -> int:
     # One more than there are processors: much of the time a test waits for a browser or a kernel.
     count = min((os.cpu_count() or 1) + 1, 8)
     workers = ["-n", str(count), "--dist", "loadscope", "--no-loadscope-reorder"]
-    return _run_module(["pytest", *workers, *how, *what, *options.extra])
+    plugins = ["-p", "xdist.plugin", "-p", "nbval.plugin"]  # those of others are not asked, see ``_run_module``
+    return _run_module(["pytest", *plugins, *workers, *how, *what, *options.extra])
 
 
 def bench(options) -> int:
@@ -114,6 +117,10 @@ def _require_checkout(path: Path) -> None:
 
 def _run_module(arguments: list[str]) -> int:
     """Run ``python -m`` on this interpreter, in the course's folder, in place of this process."""
+    from npslam_teach.system.jupyter import own_jupyter, writable_folders
+
+    os.environ.update(own_jupyter() | writable_folders() | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"})
+    os.environ.pop("MPLBACKEND", None)  # a kernel chooses its own, and another may not be installed here
     os.chdir(ROOT)
     return _run_python(["-m", *arguments])
 

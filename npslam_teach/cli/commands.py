@@ -51,6 +51,7 @@ def solve(options) -> int:
 def _draw_result(run, truth, folder: Path) -> None:
     from npslam_teach import plotting
 
+    plotting.style.put_settings_aside()
     folder.mkdir(parents=True, exist_ok=True)
     for name, figure in plotting.result_figures(run.snapshots, run.log, truth).items():
         plotting.save(figure, folder / name)

@@ -30,6 +30,11 @@ TEXT_SIZE = {"title": 13, "label": 12, "tick": 11, "legend": 11}  # pt: readable
 _LEGEND = {"frameon": False, "fontsize": TEXT_SIZE["legend"]}
 
 
+def put_settings_aside() -> None:
+    """Forget what a ``matplotlibrc`` asks for: LaTeX that may not be there, other fonts, sizes and colours."""
+    matplotlib.rcdefaults()
+
+
 def class_style(c: int) -> tuple[str, str]:
     """The colour and the marker of class ``c``, the same in every lesson.
 

@@ -17,7 +17,7 @@ from npslam_teach.system import environment as env
 from npslam_teach.system import interpreter
 
 ROOT = Path(__file__).parents[2]
-SYSTEM = ("__init__.py", "environment.py", "interpreter.py", "interruption.py", "locking.py")
+SYSTEM = ("__init__.py", "streams.py", "environment.py", "interpreter.py", "interruption.py", "locking.py")
 STDLIB_ONLY = ["__main__.py", "__init__.py", *(f"system/{name}" for name in SYSTEM)]
 VERIFICATION = "npslam_teach.system.verification"
 ABSENT = "there-is-no-such-package"

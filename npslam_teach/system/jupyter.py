@@ -1,0 +1,56 @@
+"""Jupyter as this course needs it, whatever else is installed: our own kernel, and folders that can be written.
+
+This changes the environment of the processes that a command starts, and nothing on the disk of the user.
+"""
+
+import contextlib
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+from npslam_teach.system.locking import say
+
+WRITTEN = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "IPYTHONDIR", "MPLCONFIGDIR")
+
+
+def own_jupyter() -> dict[str, str]:
+    """Variables under which Jupyter finds the kernel of this interpreter first.
+
+    A kernel ``python3`` of the user's, for another Python, would otherwise run the lessons wherever it comes first. So
+    would a program's drawing backend: kernels choose their own.
+    """
+    known = os.environ.get("JUPYTER_PATH", "").split(os.pathsep)
+    ours = str(Path(sys.prefix, "share", "jupyter"))
+    return {"JUPYTER_PREFER_ENV_PATH": "1", "JUPYTER_PATH": os.pathsep.join([ours, *filter(None, known)])}
+
+
+def writable_folders() -> dict[str, str]:
+    """Variables that send Jupyter, IPython and matplotlib to a temporary folder, if one of theirs cannot be written."""
+    if all(_is_writable(Path(folder)) for folder in _usual_folders()):
+        return {}
+    folder = tempfile.mkdtemp(prefix="npslam_teach-")
+    say(f"the home folder cannot be written to; Jupyter's own files are in {folder} until this machine tidies up.")
+    return {name: str(Path(folder, name.lower())) for name in WRITTEN}
+
+
+def _usual_folders() -> list[str]:
+    from jupyter_core.paths import jupyter_config_dir, jupyter_data_dir, jupyter_runtime_dir
+
+    ipython = os.environ.get("IPYTHONDIR") or os.path.expanduser(os.path.join("~", ".ipython"))
+    return [jupyter_config_dir(), jupyter_data_dir(), jupyter_runtime_dir(), ipython]
+
+
+def _is_writable(folder: Path) -> bool:
+    """Whether a file can be made in a folder, or the folder itself; what was made to find out is removed."""
+    missing = [each for each in (folder, *folder.parents) if not each.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+    finally:
+        for each in missing:
+            with contextlib.suppress(OSError):
+                each.rmdir()

@@ -1,0 +1,140 @@
+"""``lab`` on machines where somebody has other ideas: foreign kernels, folders, settings and backends."""
+
+import contextlib
+import json
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from pathlib import Path
+
+import psutil
+import pytest
+
+from npslam_teach.system import jupyter
+
+ROOT = Path(__file__).parents[2]
+
+
+@contextlib.contextmanager
+def running_lab(folder, runtime, **more):
+    """JupyterLab as our command starts it, on a free port; its process, and its address with the token."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    command = [sys.executable, "-m", "npslam_teach", "lab", "--no-browser", "--port", str(port)]
+    environment = os.environ | {"PYTHONPATH": str(folder), "JUPYTER_RUNTIME_DIR": str(runtime)} | more
+    with (runtime / "lab.log").open("w") as log:
+        lab = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, stdin=subprocess.DEVNULL, env=environment)
+    try:
+        yield lab, _address(lab, runtime / "lab.log", port)
+    finally:
+        lab.terminate()
+        assert lab.wait(timeout=120) is not None
+
+
+def _address(lab, log, port):
+    deadline = time.monotonic() + 120
+    while time.monotonic() < deadline and lab.poll() is None:
+        if found := re.search(rf"http://127\.0\.0\.1:{port}/\S*token=[0-9a-f]+", log.read_text()):
+            return found.group()
+        time.sleep(0.2)
+    pytest.fail(f"JupyterLab did not start: {log.read_text()}")
+
+
+def status(address):
+    try:
+        with urllib.request.urlopen(address, timeout=20) as answer:
+            return answer.status
+    except urllib.error.HTTPError as error:
+        return error.code
+
+
+@pytest.mark.slow
+def test_lab_serves_the_course_to_whoever_has_the_token(tmp_path):
+    with running_lab(ROOT, tmp_path) as (_, address):
+        assert "/lab/tree/notebooks/00_start_here.ipynb?token=" in address
+        site, token = re.match(r"(http://[^/]+)/.*token=(\w+)", address).groups()
+        assert status(address) == 200
+        assert status(f"{site}/api/contents/notebooks/00_start_here.ipynb?content=0&token={token}") == 200
+        assert status(f"{site}/files/figures/fig16_simulation_iterations.png?token={token}") == 200
+        assert status(f"{site}/api/contents/notebooks?content=0") == 403
+
+
+def foreign_kernel(folder):
+    """A kernel ``python3`` of another Python, which ends at once."""
+    (folder / "kernels" / "python3").mkdir(parents=True)
+    spec = {"argv": ["/bin/false", "{connection_file}"], "display_name": "Python 3", "language": "python"}
+    (folder / "kernels" / "python3" / "kernel.json").write_text(json.dumps(spec))
+    return str(folder)
+
+
+def copy_of_the_course(folder):
+    for name in ("npslam_teach", "notebooks"):
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "environment.txt", folder)
+    return folder
+
+
+@pytest.mark.slow
+def test_lab_starts_our_kernel_beside_foreign_ones_in_a_folder_of_an_awkward_name(tmp_path):
+    """The kernels and the settings of a user, a home of which nothing can be written, and brackets in the name."""
+    course = copy_of_the_course(tmp_path / "a [course] of 100%, été")
+    config = tmp_path / "config"
+    config.mkdir()
+    preferred = tmp_path / "preferred"
+    preferred.mkdir()
+    (config / "jupyter_server_config.json").write_text(json.dumps({"ServerApp": {"preferred_dir": str(preferred)}}))
+    settings = {
+        "JUPYTER_CONFIG_DIR": str(config),
+        "JUPYTER_DATA_DIR": foreign_kernel(tmp_path / "data"),
+        "JUPYTER_PATH": foreign_kernel(tmp_path / "path"),
+        "JUPYTER_PREFER_ENV_PATH": "0",
+        "MPLBACKEND": "there-is-no-such-backend",
+    }
+    with running_lab(course, tmp_path, **settings) as (lab, address):
+        site, token = re.match(r"(http://[^/]+)/.*token=(\w+)", address).groups()
+        assert status(f"{site}/api/contents/notebooks/00_start_here.ipynb?content=0&token={token}") == 200
+        start = urllib.request.Request(
+            f"{site}/api/kernels?token={token}",
+            data=b'{"name": "python3"}',
+            headers={"Content-Type": "application/json"},
+        )
+        with urllib.request.urlopen(start, timeout=60) as answer:
+            assert answer.status == 201
+        kernels = [each for each in psutil.Process(lab.pid).children() if "ipykernel_launcher" in each.cmdline()]
+        assert [Path(each.exe()).resolve() for each in kernels] == [Path(sys.executable).resolve()]
+        assert "MPLBACKEND" not in kernels[0].environ()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="a home that is a device is one of POSIX")
+def test_lab_starts_where_the_home_cannot_be_written(tmp_path):
+    home = {name: None for name in jupyter.WRITTEN}
+    environment = {name: value for name, value in os.environ.items() if name not in home}
+    program = "import os, sys; from npslam_teach.system.jupyter import writable_folders as w; print(sorted(w()))"
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env=environment | {"HOME": "/dev/null", "TMPDIR": str(tmp_path)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.stdout.strip() == str(sorted(jupyter.WRITTEN))
+    assert (
+        done.stderr.startswith("npslam_teach: the home folder cannot be written to; ") and done.stderr.count("\n") == 1
+    )
+    more = {name: f"/dev/null/{name}" for name in jupyter.WRITTEN} | {"HOME": "/dev/null", "TMPDIR": str(tmp_path)}
+    with running_lab(ROOT, tmp_path, **more) as (_, address):
+        assert status(address) == 200
+
+
+def test_a_home_that_can_be_written_is_left_as_it_was(tmp_path, monkeypatch, capsys):
+    for name in jupyter.WRITTEN:
+        monkeypatch.setenv(name, str(tmp_path / "home" / name))
+    assert jupyter.writable_folders() == {}
+    assert list(tmp_path.iterdir()) == [] and capsys.readouterr().err == ""

@@ -3,6 +3,7 @@
 import json
 import time
 from contextlib import nullcontext
+from functools import cache
 from pathlib import Path
 
 from npslam_teach.cli import reports
@@ -115,6 +116,7 @@ def figures(options) -> int:
     return 0
 
 
+@cache
 def _warm_up_solver() -> None:
     """Solve a triangle: whatever the solver imports on its way, SciPy above all, is not its own time."""
     import numpy as np

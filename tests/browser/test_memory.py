@@ -16,8 +16,8 @@ from matplotlib import pyplot
 
 from npslam_teach.pose_graph import factorization
 
-# A few steps show that nothing stays. Only where something has grown, which may be chance, many more steps decide.
-WARM_UP, STEPS, MANY_STEPS = 120, 30, 200
+# A few steps show that nothing stays. Only where something has grown, which may be a store that fills, more decide.
+WARM_UP, ROUNDS = 20, (12, 60, 200)
 # qdldl frees arrays behind tracemalloc's back, which goes on listing some of them; a process that updates a factor a
 # hundred thousand times does not grow by a kilobyte.
 NOT_QDLDL = tracemalloc.Filter(False, factorization.__file__)
@@ -42,7 +42,7 @@ def to_and_fro(explorer):
 
 def growth_in_python(moves, explorer) -> float:
     """How many bytes a step leaves behind."""
-    for steps in (STEPS, MANY_STEPS):
+    for steps in ROUNDS:
         gc.collect()
         tracemalloc.start()
         try:
@@ -73,7 +73,7 @@ def test_steps_leave_nothing_behind_in_python(lesson):
 
 def test_a_leak_is_noticed(monkeypatch):
     """One picture a step that somebody keeps."""
-    monkeypatch.setattr(sys.modules[__name__], "MANY_STEPS", 50)
+    monkeypatch.setattr(sys.modules[__name__], "ROUNDS", (12, 30))
     explorer, kept = explorers_of("04_dirichlet_process.ipynb")[0], []
     move = explorer.move
 
@@ -129,8 +129,8 @@ def test_key_presses_leave_nothing_behind_in_a_page(lesson, page, lab, record_pr
                 forward = slider.index() == 0
             explorer.press(slider, forward)
 
-    press(WARM_UP // 4)
-    for steps in (STEPS, MANY_STEPS):
+    press(WARM_UP)
+    for steps in ROUNDS:
         before = Footprint(page, kernel)
         press(steps)
         after = Footprint(page, kernel)

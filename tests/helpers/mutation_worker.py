@@ -5,6 +5,7 @@
 """
 
 import contextlib
+import functools
 import hashlib
 import io
 import json
@@ -28,6 +29,7 @@ MEGABYTE = 1 << 20
 
 def main(suffix: str, first: int, last: int, step: int, folder: Path, bases: dict | None) -> None:
     """Try the files ``range(first, last, step)`` of a format."""
+    parser.build_parser = functools.cache(parser.build_parser)  # a process of its own would build it once, too
     limit_memory(2048 * MEGABYTE)
     for number in range(first, last, step):
         tell(begin=number)

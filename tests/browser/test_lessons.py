@@ -15,8 +15,8 @@ from window import Window
 
 from npslam_teach.system.files import atomic_write
 
-# Those with explorers first, so that a lesson has the same number in both lists of parameters: pytest goes by it when it
-# puts the tests of a lesson together, and would otherwise open and run most lessons twice.
+# Those with explorers first, so that a lesson has the same number in both lists of parameters: pytest goes by it when
+# it puts the tests of a lesson together, and would otherwise open and run most lessons twice.
 WITH_EXPLORERS = lessons_with_explorers()
 LESSONS = [
     *WITH_EXPLORERS,

@@ -148,7 +148,7 @@ def test_saved_and_loaded_gives_the_same_words(world, tmp_path):
         ({"do": "save", "file": ""}, r": expected a file name that ends in \.npz"),
         ({"do": "save", "file": "no/such/folder.npz"}, r"no/such/folder\.npz: expected a folder to write into"),
         ({"do": "load", "file": "absent.npz"}, r"absent\.npz: expected a file, found nothing of that name"),
-        ({"do": "load", "file": "."}, r"\.: expected a file name that ends in"),
+        ({"do": "load", "file": "."}, r"\.: expected the files odometry\.csv"),
     ],
 )
 def test_a_file_that_cannot_be_used_is_a_sentence(world, tmp_path, monkeypatch, content, note):

@@ -2,6 +2,11 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
+from npslam_teach import association
+from npslam_teach.association import count_votes
+
 
 def partitions(n: int) -> Iterator[list[int]]:
     """Every partition of n things once, as labels in order of first appearance (restricted growth strings)."""
@@ -14,3 +19,16 @@ def partitions(n: int) -> Iterator[list[int]]:
             yield from grow([*labels, label])
 
     yield from grow([])
+
+
+def objective_of(labels, landmarks, xy, obs_class, alpha, kernel_std):
+    """DESIGN section 4 with the landmarks where they are: every residual is a distance over the kernel width."""
+    chi2 = sum(np.sum((xy[k] - landmarks[labels[k]]) ** 2) for k in range(len(labels))) / kernel_std**2
+    used = np.unique(labels)
+    votes = count_votes(labels, obs_class, len(landmarks), obs_class.max() + 1)[used]
+    return association.objective(chi2, votes, alpha)
+
+
+def same_groups(labels):
+    labels = np.asarray(labels)
+    return labels[:, None] == labels[None, :]

@@ -33,6 +33,7 @@ def test_axe_finds_nothing_serious_in_an_exported_lesson(path, tmp_path, offline
 
 def test_axe_finds_nothing_serious_in_the_book(tmp_path, offline):
     """In a book of three lessons: each of the others has been looked at above, and axe compares all with all."""
+    shutil.copytree(ROOT / "figures", tmp_path / "figures")
     folder = shutil.copytree(ROOT / "notebooks", tmp_path / "notebooks")
     for path in NOTEBOOKS[3:]:
         (folder / path.name).unlink()

@@ -46,8 +46,10 @@ def test(options) -> int:
     # One more than there are processors: much of the time a test waits for a browser or a kernel.
     count = min((os.cpu_count() or 1) + 1, 8)
     workers = ["-n", str(count), "--dist", "loadscope", "--no-loadscope-reorder"]
-    plugins = ["-p", "xdist.plugin", "-p", "nbval.plugin"]  # those of others are not asked, see ``_run_module``
-    return _run_module(["pytest", *plugins, *workers, *how, *what, *options.extra])
+    plugins = ["-p", "xdist.plugin", "-p", "nbval.plugin"]
+    # Plugins that somebody else has installed here are not asked.
+    alone = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    return _run_module(["pytest", *plugins, *workers, *how, *what, *options.extra], alone)
 
 
 def bench(options) -> int:
@@ -115,11 +117,16 @@ def _require_checkout(path: Path) -> None:
         )
 
 
-def _run_module(arguments: list[str]) -> int:
-    """Run ``python -m`` on this interpreter, in the course's folder, in place of this process."""
+def _run_module(arguments: list[str], variables: dict[str, str] | None = None) -> int:
+    """Run ``python -m`` on this interpreter, in the course's folder, in place of this process.
+
+    Args:
+        arguments: the module and what it is given.
+        variables: of its environment, beside those that Jupyter needs.
+    """
     from npslam_teach.system.jupyter import own_jupyter, writable_folders
 
-    os.environ.update(own_jupyter() | writable_folders() | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"})
+    os.environ.update(own_jupyter() | writable_folders() | (variables or {}))
     os.environ.pop("MPLBACKEND", None)  # a kernel chooses its own, and another may not be installed here
     os.chdir(ROOT)
     return _run_python(["-m", *arguments])

@@ -53,7 +53,7 @@ def run(options, log: RobotLog, settings: dict) -> tuple[experiments.Run, list[d
     """The run with the lowest objective among all restarts, and what every restart came to."""
     orders = [None] + [np.random.default_rng([options.seed, k]) for k in range(1, options.restarts)]
     best, restarts = None, []
-    for rng in orders if options.restarts == 1 else track(orders, options.restarts, "restarts", "orders"):
+    for rng in track(orders, options.restarts, "restarts", "orders"):
         order = {} if rng is None else {"order": rng.permutation(log.num_observations)}
         attempt = experiments.run_method(options.method, log, settings | order)
         last = attempt.snapshots[-1]

@@ -17,8 +17,7 @@ WRITTEN = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "IPY
 def own_jupyter() -> dict[str, str]:
     """Variables under which Jupyter finds the kernel of this interpreter first.
 
-    A kernel ``python3`` of the user's, for another Python, would otherwise run the lessons wherever it comes first. So
-    would a program's drawing backend: kernels choose their own.
+    A kernel ``python3`` of the user's, for another Python, would otherwise run the lessons wherever it comes first.
     """
     known = os.environ.get("JUPYTER_PATH", "").split(os.pathsep)
     ours = str(Path(sys.prefix, "share", "jupyter"))

@@ -21,7 +21,7 @@ def progress_shown() -> Iterator[None]:
 def track(steps: Iterable, total: int | None, what: str, unit: str) -> Iterator:
     """The steps one by one, counted by a bar where one is wanted and standard error is a terminal.
 
-    Of loops inside each other the outermost has the bar.
+    Of loops inside each other the outermost has the bar, unless it has a single step, which would tell nothing.
 
     Args:
         steps: what takes the time.
@@ -29,7 +29,7 @@ def track(steps: Iterable, total: int | None, what: str, unit: str) -> Iterator:
         what: is done.
         unit: a step, in one word.
     """
-    if not _wanted.get():
+    if total == 1 or not _wanted.get():
         yield from steps
         return
     from tqdm import tqdm

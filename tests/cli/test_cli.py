@@ -129,7 +129,7 @@ def test_lab_listens_on_the_loopback_address_and_keeps_the_token(monkeypatch):
 
 def test_test_hands_its_arguments_to_pytest(monkeypatch):
     started = []
-    monkeypatch.setattr(checkout, "_run_module", lambda arguments: started.append(arguments) or 5)
+    monkeypatch.setattr(checkout, "_run_module", lambda arguments, variables: started.append(arguments) or 5)
     assert parser.main(["test", "tests/test_se2.py", "-k", "wrap"]) == 5
     assert started[0][0] == "pytest"
     assert started[0][-3:] == ["tests/test_se2.py", "-k", "wrap"]
@@ -141,7 +141,7 @@ def test_test_hands_its_arguments_to_pytest(monkeypatch):
 @pytest.mark.slow
 def test_a_quick_test_is_of_the_mathematics_the_files_and_the_command_line(monkeypatch):
     started = []
-    monkeypatch.setattr(checkout, "_run_module", lambda arguments: started.append(arguments) or 0)
+    monkeypatch.setattr(checkout, "_run_module", lambda arguments, variables: started.append(arguments) or 0)
     assert parser.main(["test", "--quick"]) == 0
     alone = os.environ | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
     command = [sys.executable, "-m", *started[0], "--collect-only", "-q", "-n", "0"]

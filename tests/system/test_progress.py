@@ -44,6 +44,13 @@ def test_a_terminal_shows_the_outermost_loop():
     assert stderr.getvalue().endswith("\r"), "the bar is wiped away"
 
 
+def test_a_loop_of_one_step_leaves_the_bar_to_the_loop_inside():
+    with written_to(Terminal()) as stderr:
+        for _ in progress.track(range(1), 1, "outer", "x"):
+            list(progress.track(range(3), 3, "inner", "steps"))
+    assert "inner" in stderr.getvalue() and "outer" not in stderr.getvalue()
+
+
 def test_a_library_stays_silent():
     with written_to(Terminal(), wanted=False) as stderr:
         assert walk() == [[0, 1, 2]] * 2

@@ -6,6 +6,7 @@ from pathlib import Path
 import nbformat
 import numpy as np
 import pytest
+from kernel_ports import use_own_ports
 
 from npslam_teach.cli import parser
 
@@ -21,6 +22,7 @@ ORIGINALS = (
 # Kernels and command lines that tests start must find the package, wherever they start.
 _ROOT = str(Path(__file__).parent.parent)
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [_ROOT, os.environ.get("PYTHONPATH")]))
+use_own_ports()
 # On a busy machine even a small run may take the two seconds after which a bar appears among the words under test.
 os.environ["TQDM_DISABLE"] = "1"
 

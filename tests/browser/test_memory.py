@@ -18,6 +18,7 @@ from npslam_teach.pose_graph import factorization
 
 # A few steps show that nothing stays. Only where something has grown, which may be a store that fills, more decide.
 WARM_UP, ROUNDS = 20, (12, 60, 200)
+TRACED_WARM_UP = 4  # after so many the present picture is one that was made while memory was traced
 # qdldl frees arrays behind tracemalloc's back, which goes on listing some of them; a process that updates a factor a
 # hundred thousand times does not grow by a kilobyte.
 NOT_QDLDL = tracemalloc.Filter(False, factorization.__file__)
@@ -43,19 +44,23 @@ def to_and_fro(explorer):
 def growth_in_python(moves, explorer) -> float:
     """How many bytes a step leaves behind."""
     for steps in ROUNDS:
-        gc.collect()
         tracemalloc.start()
         try:
-            for move in itertools.islice(moves, steps):
-                explorer.move(**move)
-            gc.collect()
-            snapshot = tracemalloc.take_snapshot()
+            before = traced_after(itertools.islice(moves, TRACED_WARM_UP), explorer)
+            growth = (traced_after(itertools.islice(moves, steps), explorer) - before) / steps
         finally:
             tracemalloc.stop()
-        growth = sum(trace.size for trace in snapshot.filter_traces([NOT_QDLDL]).traces) / steps
         if growth < BYTES_PER_STEP:
             break
     return growth
+
+
+def traced_after(moves, explorer) -> int:
+    """How many bytes that were taken since tracing began are still held after some moves."""
+    for move in moves:
+        explorer.move(**move)
+    gc.collect()
+    return sum(trace.size for trace in tracemalloc.take_snapshot().filter_traces([NOT_QDLDL]).traces)
 
 
 @pytest.mark.parametrize("lesson", lessons_with_explorers())

@@ -20,7 +20,7 @@ import pytest
 from mutations import SUFFIXES, damaged
 
 HELPERS = Path(__file__).parents[1] / "helpers"
-FILES_PER_FORMAT, DISTINCT_PER_FORMAT = 2_000, 1_700
+FILES_PER_FORMAT, DISTINCT_PER_FORMAT = 1_000, 850
 MOST_SECONDS, MOST_MEGABYTES = 2.0, 500.0
 PATIENCE = 60.0  # seconds of silence after which a file counts as a hang, unless the worker has only been waiting its
 MOST_CPU_SECONDS = 20.0  # turn on a busy machine: it must have rested, or used the processor for so long

@@ -9,6 +9,7 @@ Of the path only the present pose is in the state: an error of the past can no l
 import numpy as np
 
 from npslam_teach import se2
+from npslam_teach.methods.gating import squared_mahalanobis
 from npslam_teach.pose_graph import observation_jacobians
 
 POSE = slice(0, 3)  # where the pose stands in the state
@@ -105,19 +106,6 @@ def observation_state_jacobians(mean: np.ndarray, objects: np.ndarray) -> np.nda
     for k, first in enumerate(3 + 2 * objects):
         jacobians[k, :, first : first + 2] = by_landmark[k]
     return jacobians
-
-
-def squared_mahalanobis(innovation: np.ndarray, innovation_cov: np.ndarray) -> np.ndarray:
-    """The squared length of an innovation in standard deviations, ``y^T S^-1 y``.
-
-    For right matches it follows chi-squared with as many degrees of freedom as y has numbers.
-
-    Args:
-        innovation: (..., d).
-        innovation_cov: (..., d, d).
-    """
-    whitened = np.linalg.solve(innovation_cov, innovation[..., None])[..., 0]
-    return (innovation * whitened).sum(axis=-1)
 
 
 def squared_distances(mean: np.ndarray, cov: np.ndarray, xy: np.ndarray, observation_std: np.ndarray) -> np.ndarray:

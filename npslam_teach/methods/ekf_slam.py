@@ -11,16 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from npslam_teach.association import one_to_one
 from npslam_teach.methods.ekf import new_filter, predict, squared_distances, update, with_new_object
+from npslam_teach.methods.gating import GATE, NEW, NEW_GATE, UNASSIGNED, assign, frames_of, squared_gates
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
-from npslam_teach.pose_graph import observation_factors, odometry_factors, squared_radius
+from npslam_teach.pose_graph import observation_factors, odometry_factors
 from npslam_teach.system.progress import track
 from npslam_teach.types import PoseGraph, RobotLog, Snapshot
 from npslam_teach.validation import checked_array
-
-GATE, NEW_GATE = 0.99, 0.999999  # shares of right matches that a consistent filter lets through
-UNASSIGNED, NEW = -1, -2  # what an observation can be, besides one of a known object
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +126,7 @@ def filter_steps(
         one step for every pose.
     """
     odometry_std, observation_std = _noise(log, odometry_std, observation_std)
-    bounds, frames = squared_gates(gate, new_gate), _frames(log)
+    bounds, frames = squared_gates(gate, new_gate), frames_of(log)
     known_labels = None if labels is None else _in_order_of_sight(labels, frames)
     ekf, object_class = new_filter(), np.zeros(0, dtype=int)
     for time, observations in enumerate(frames):
@@ -148,35 +145,6 @@ def filter_steps(
         posterior = ekf.x.copy(), ekf.P.copy()
         yield FilterStep(time, observations, *prior, object_class, distance, decision, numbered, nis, *posterior)
         object_class = np.append(object_class, seen_class[is_new])
-
-
-def assign(squared_distance: np.ndarray, gate: float, new_gate: float) -> np.ndarray:
-    """Match the observations of a frame with the objects, one to one.
-
-    Args:
-        squared_distance: (m, K), infinite where a match is out of the question.
-        gate: as a squared distance; nothing at or beyond it is matched.
-        new_gate: as a squared distance; an observation beyond it from every object is new.
-
-    Returns:
-        (m,) the object, UNASSIGNED or NEW.
-    """
-    chosen = one_to_one(squared_distance, gate)  # to match nothing costs as much as a match at the gate
-    far = (squared_distance > new_gate).all(axis=1)
-    return np.where(chosen < squared_distance.shape[1], chosen, np.where(far, NEW, UNASSIGNED))
-
-
-def squared_gates(gate: float, new_gate: float) -> tuple[float, float]:
-    """The gates as squared Mahalanobis distances: quantiles of chi-squared with 2 degrees of freedom.
-
-    Raises:
-        ValueError: a gate is no probability below 1, or the second is inside the first.
-    """
-    if not 0 < gate < 1:
-        raise ValueError(f"gate: expected a probability between 0 and 1, got {gate}")
-    if not gate <= new_gate < 1:
-        raise ValueError(f"new_gate: expected a probability from gate = {gate} to below 1, got {new_gate}")
-    return squared_radius(gate), squared_radius(new_gate)
 
 
 def _absorb(ekf, decision: np.ndarray, xy: np.ndarray, observation_std: np.ndarray):
@@ -198,12 +166,6 @@ def _noise(log: RobotLog, odometry_std, observation_std) -> tuple[np.ndarray, np
         if not (std > 0).all():
             raise ValueError(f"{name}: expected positive numbers, got {std.tolist()}")
     return found[0], found[1]
-
-
-def _frames(log: RobotLog) -> list[np.ndarray]:
-    """The observations of every pose, in the order of the log."""
-    in_time = np.argsort(log.obs_time, kind="stable")
-    return np.split(in_time, np.searchsorted(log.obs_time[in_time], np.arange(1, log.num_poses)))
 
 
 def _in_order_of_sight(labels: np.ndarray, frames: list[np.ndarray]) -> np.ndarray:

@@ -13,8 +13,9 @@ from scipy.stats import chi2, norm
 from npslam_teach import evaluation, plotting, se2, simulate
 from npslam_teach.course.filtering import checks, figures, pictures
 from npslam_teach.course.filtering import explorer as filtering_explorer
-from npslam_teach.methods.ekf import new_filter, predict, squared_distances, squared_mahalanobis, with_new_object
-from npslam_teach.methods.ekf_slam import FilterRecord, assign, ekf_slam, filter_steps, run_filter
+from npslam_teach.methods.ekf import new_filter, predict, squared_distances, with_new_object
+from npslam_teach.methods.ekf_slam import FilterRecord, ekf_slam, filter_steps, run_filter
+from npslam_teach.methods.gating import assign, squared_mahalanobis
 
 WITHOUT_OBJ_4 = [0, 1, 2, -1, 1, -1, 3, 4]
 

@@ -5,7 +5,8 @@ from dataclasses import replace
 from npslam_teach import plotting, simulate
 from npslam_teach.course.figure_file import FigureFile
 from npslam_teach.course.filtering import pictures
-from npslam_teach.methods.ekf_slam import filter_steps, run_filter, squared_gates
+from npslam_teach.methods.ekf_slam import filter_steps, run_filter
+from npslam_teach.methods.gating import squared_gates
 from npslam_teach.plotting.maps import plot_robots
 from npslam_teach.plotting.style import ESTIMATE_COLOR, TRUTH_COLOR, Line2D, class_handles, legend_below
 

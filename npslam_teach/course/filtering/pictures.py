@@ -7,7 +7,8 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from npslam_teach import se2
 from npslam_teach.evaluation.consistency import nis_in_windows, share_within
 from npslam_teach.methods.ekf import expected_observations, landmarks_of
-from npslam_teach.methods.ekf_slam import NEW, UNASSIGNED, FilterStep, assign
+from npslam_teach.methods.ekf_slam import FilterStep
+from npslam_teach.methods.gating import NEW, UNASSIGNED, assign
 from npslam_teach.plotting.maps import plot_objects, plot_robots
 from npslam_teach.plotting.style import (
     CLASS_COLORS,

@@ -1,0 +1,63 @@
+"""Gates: which observations of a frame may be of which objects, by Mahalanobis distance, and which are taken.
+
+A pair must be within the gate, and no two observations of a frame share an object. An observation beyond the second
+gate of every object is a new one; one in between is left out, because either answer would be a guess (Bar-Shalom, Li
+and Kirubarajan, "Estimation with Applications to Tracking and Navigation", 2001).
+"""
+
+import numpy as np
+
+from npslam_teach.association import one_to_one
+from npslam_teach.pose_graph import squared_radius
+from npslam_teach.types import RobotLog
+
+GATE, NEW_GATE = 0.99, 0.999999  # shares of right matches that a consistent filter lets through
+UNASSIGNED, NEW = -1, -2  # what an observation can be, besides one of a known object
+
+
+def squared_gates(gate: float, new_gate: float) -> tuple[float, float]:
+    """The gates as squared Mahalanobis distances: quantiles of chi-squared with 2 degrees of freedom.
+
+    Raises:
+        ValueError: a gate is no probability below 1, or the second is inside the first.
+    """
+    if not 0 < gate < 1:
+        raise ValueError(f"gate: expected a probability between 0 and 1, got {gate}")
+    if not gate <= new_gate < 1:
+        raise ValueError(f"new_gate: expected a probability from gate = {gate} to below 1, got {new_gate}")
+    return squared_radius(gate), squared_radius(new_gate)
+
+
+def assign(squared_distance: np.ndarray, gate: float, new_gate: float) -> np.ndarray:
+    """Match the observations of a frame with the objects, one to one.
+
+    Args:
+        squared_distance: (m, K), infinite where a match is out of the question.
+        gate: as a squared distance; nothing at or beyond it is matched.
+        new_gate: as a squared distance; an observation beyond it from every object is new.
+
+    Returns:
+        (m,) the object, UNASSIGNED or NEW.
+    """
+    chosen = one_to_one(squared_distance, gate)  # to match nothing costs as much as a match at the gate
+    far = (squared_distance > new_gate).all(axis=1)
+    return np.where(chosen < squared_distance.shape[1], chosen, np.where(far, NEW, UNASSIGNED))
+
+
+def frames_of(log: RobotLog) -> list[np.ndarray]:
+    """The observations of every pose, in the order of the log."""
+    in_time = np.argsort(log.obs_time, kind="stable")
+    return np.split(in_time, np.searchsorted(log.obs_time[in_time], np.arange(1, log.num_poses)))
+
+
+def squared_mahalanobis(innovation: np.ndarray, innovation_cov: np.ndarray) -> np.ndarray:
+    """The squared length of an innovation in standard deviations, ``y^T S^-1 y``.
+
+    For right matches it follows chi-squared with as many degrees of freedom as y has numbers.
+
+    Args:
+        innovation: (..., d).
+        innovation_cov: (..., d, d).
+    """
+    whitened = np.linalg.solve(innovation_cov, innovation[..., None])[..., 0]
+    return (innovation * whitened).sum(axis=-1)

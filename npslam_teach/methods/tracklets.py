@@ -1,0 +1,123 @@
+"""Tracklets: the observations of one pass over one object, tied together before anything is known of the map.
+
+While an object stays in view the robot has hardly moved, so that who is who needs no map and no trajectory. The present
+surroundings are kept in the frame of the robot itself: there the odometry moves the objects, an observation measures
+one directly, and the Kalman filter has nothing to linearize but the turn of a single step (a robocentric map;
+Castellanos, Martinez-Cantin, Tardos and Neira, "Robocentric map joining", 2007). What was not seen for a while is
+forgotten; seen again it begins another tracklet. Which tracklets are of one object is for ``association.gibbs`` to say.
+"""
+
+import numpy as np
+
+from npslam_teach import se2
+from npslam_teach.methods.gating import (
+    GATE,
+    NEW,
+    NEW_GATE,
+    UNASSIGNED,
+    assign,
+    frames_of,
+    squared_gates,
+    squared_mahalanobis,
+)
+from npslam_teach.types import RobotLog
+
+LONGEST_GAP = 10  # poses out of sight after which an object is forgotten
+
+
+def tracklets(
+    log: RobotLog, gate: float = GATE, new_gate: float = NEW_GATE, longest_gap: int = LONGEST_GAP
+) -> np.ndarray:
+    """Tie observations to those shortly before them.
+
+    Args:
+        log: what the robot measured; its noise counts.
+        gate: the share of right matches that is let through, see ``ekf_slam``.
+        new_gate: an observation beyond this of everything in view begins a tracklet; one between the two gates is left
+            out.
+        longest_gap: poses.
+
+    Returns:
+        (M,) index of the tracklet, in the order of first sight; -1 = left out.
+    """
+    gates, noise = squared_gates(gate, new_gate), np.diag(log.observation_std**2)
+    labels, count = np.full(log.num_observations, UNASSIGNED), 0
+    nearby = _Surroundings.empty()
+    for time, observations in enumerate(frames_of(log)):
+        if time > 0:
+            nearby = nearby.after_step(log.odometry[time - 1], log.odometry_std).seen_since(time - longest_gap)
+        if len(observations) == 0:
+            continue
+        xy, seen_class = log.obs_xy[observations], log.obs_class[observations]
+        decision = assign(nearby.squared_distances(xy, seen_class, noise), *gates)
+        matched, is_new = decision >= 0, decision == NEW
+        labels[observations[matched]] = nearby.tracklet[decision[matched]]
+        labels[observations[is_new]] = count + np.arange(np.count_nonzero(is_new))
+        count += np.count_nonzero(is_new)
+        nearby = nearby.updated(decision[matched], xy[matched], noise, time)
+        nearby = nearby.joined_by(labels[observations[is_new]], xy[is_new], seen_class[is_new], noise, time)
+    return labels
+
+
+class _Surroundings:
+    """What is in view: where each tracklet's object stands in the frame of the robot, and how sure that is."""
+
+    def __init__(self, tracklet, object_class, last_seen, xy, cov):
+        self.tracklet, self.object_class, self.last_seen = tracklet, object_class, last_seen  # (K,)
+        self.xy, self.cov = xy, cov  # (K, 2) m; (2K, 2K) m^2
+
+    @classmethod
+    def empty(cls):
+        nothing = np.zeros(0, dtype=int)
+        return cls(nothing, nothing, nothing, np.zeros((0, 2)), np.zeros((0, 0)))
+
+    def after_step(self, step: np.ndarray, odometry_std: np.ndarray) -> "_Surroundings":
+        """The same objects from the next pose; the error of the step is common to them all."""
+        xy = se2.apply_inverse(step, self.xy)
+        turn = se2.rotate(-step[2], np.eye(2)).T
+        by_object = np.kron(np.eye(len(xy)), turn)
+        # A step that is off by (dx, dy, dtheta) shifts and turns all that is seen the other way.
+        by_step = np.zeros((len(xy), 2, 3))
+        by_step[:, :, :2] = -turn
+        by_step[:, :, 2] = np.column_stack([xy[:, 1], -xy[:, 0]])
+        by_step = by_step.reshape(-1, 3)
+        cov = by_object @ self.cov @ by_object.T + (by_step * odometry_std**2) @ by_step.T
+        return _Surroundings(self.tracklet, self.object_class, self.last_seen, xy, cov)
+
+    def seen_since(self, time: int) -> "_Surroundings":
+        """Without those that were seen last before a pose."""
+        kept = np.flatnonzero(self.last_seen >= time)
+        if len(kept) == len(self.tracklet):
+            return self
+        both = (2 * kept[:, None] + [0, 1]).ravel()
+        fields = self.tracklet[kept], self.object_class[kept], self.last_seen[kept]
+        return _Surroundings(*fields, self.xy[kept], self.cov[np.ix_(both, both)])
+
+    def squared_distances(self, xy: np.ndarray, seen_class: np.ndarray, noise: np.ndarray) -> np.ndarray:
+        """Squared Mahalanobis distance of observations (m, 2) to the objects, (m, K); infinite for another class."""
+        count = len(self.xy)
+        own = self.cov.reshape(count, 2, count, 2)[np.arange(count), :, np.arange(count)] + noise
+        distance = squared_mahalanobis(xy[:, None] - self.xy, own)
+        return np.where(seen_class[:, None] == self.object_class, distance, np.inf)
+
+    def updated(self, which: np.ndarray, xy: np.ndarray, noise: np.ndarray, time: int) -> "_Surroundings":
+        """After observations (m, 2) of some of the objects (m,): a Kalman update whose measurement is linear."""
+        if len(which) == 0:
+            return self
+        both = (2 * which[:, None] + [0, 1]).ravel()
+        gain = np.linalg.solve(self.cov[np.ix_(both, both)] + np.kron(np.eye(len(which)), noise), self.cov[both]).T
+        state = self.xy.ravel() + gain @ (xy - self.xy[which]).ravel()
+        cov, last_seen = self.cov - gain @ self.cov[both], self.last_seen.copy()
+        last_seen[which] = time
+        return _Surroundings(self.tracklet, self.object_class, last_seen, state.reshape(-1, 2), (cov + cov.T) / 2)
+
+    def joined_by(self, tracklet, xy, object_class, noise: np.ndarray, time: int) -> "_Surroundings":
+        """With new objects, which stand where they are seen."""
+        if len(tracklet) == 0:
+            return self
+        old, new = len(self.cov), 2 * len(tracklet)
+        cov = np.zeros((old + new, old + new))
+        cov[:old, :old], cov[old:, old:] = self.cov, np.kron(np.eye(len(tracklet)), noise)
+        last_seen = np.append(self.last_seen, np.full(len(tracklet), time))
+        ids, classes = np.append(self.tracklet, tracklet), np.append(self.object_class, object_class)
+        return _Surroundings(ids, classes, last_seen, np.concatenate([self.xy, xy]), cov)

@@ -51,9 +51,18 @@ def log_posterior(evidence: TrackletEvidence, labels: np.ndarray) -> float:
 
 
 def joint_system(evidence: TrackletEvidence, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """J (2K, 2K) and e (2K,): the quadratic form when tracklets of one object stand at one place."""
-    assignment = np.kron(labels[:, None] == np.arange(labels.max(initial=-1) + 1), np.eye(2))
-    return assignment.T @ evidence.information @ assignment, assignment.T @ evidence.vector
+    """J (2K, 2K) and e (2K,): the quadratic form when tracklets of one object stand at one place.
+
+    ``A^T Lambda A`` adds up the blocks of Lambda by the objects of their rows and columns.
+    """
+    count = len(labels)
+    if count == 0:
+        return evidence.information, evidence.vector
+    order = np.argsort(labels, kind="stable")
+    starts = np.flatnonzero(np.diff(labels[order], prepend=-1))
+    by_row = np.add.reduceat(evidence.information.reshape(count, 2, count, 2)[order], starts, axis=0)
+    precision = np.add.reduceat(by_row[:, :, order], starts, axis=2).reshape(2 * len(starts), -1)
+    return precision, np.add.reduceat(evidence.vector.reshape(count, 2)[order], starts, axis=0).ravel()
 
 
 def log_prior(counts: list[int], evidence: TrackletEvidence) -> float:
@@ -115,11 +124,14 @@ class GibbsSampler:
     def split_or_merge(self, temperature: float = 1.0) -> bool:
         """Propose to split an object in two, or to make one of two, where single tracklets would have to climb.
 
-        Two tracklets are drawn. If they share an object it is split between them, the others in random order each to the
-        one or the other by its weight; if not, their objects are merged, and the probability of the way back is that of
-        the same split (Jain and Neal 2004, with sequential allocation: Dahl, "Sequentially-allocated merge-split
-        sampler", 2005). Returns whether it was accepted.
+        Two tracklets are drawn. If they share an object it is split between them, the others in random order each to
+        the one or the other by its weight; if not, their objects are merged, and the probability of the way back is
+        that of the same split (Jain and Neal 2004, with sequential allocation: Dahl, "Sequentially-allocated
+        merge-split sampler", 2005). Returns whether it was accepted.
         """
+        if len(self.slot) < 2:
+            return False
+        self.refresh()
         anchors = self.rng.choice(len(self.slot), 2, replace=False)
         if self.evidence.rivals[tuple(anchors)]:
             return False
@@ -131,7 +143,6 @@ class GibbsSampler:
         homes = {t: self.slot[t] == self.slot[anchors[0]] for t in others}
         for tracklet in [*others, *anchors]:
             self.split_off(tracklet)
-        log_way = 0.0
         if together:
             log_way = sum(self._seat(t, anchors, None, temperature) for t in others)
             log_ratio = (self.log_posterior - before[-1]) / temperature - log_way
@@ -147,8 +158,40 @@ class GibbsSampler:
         self._restore(before)
         return False
 
+    def merge_objects(self) -> None:
+        """Merge the two objects whose merger raises the log posterior most, as long as there are such."""
+        self.refresh()
+        while len(self.members) > 1:
+            change = self._merger_changes()
+            gone, stays = np.unravel_index(change.argmax(), change.shape)
+            if change[gone, stays] <= 0:
+                return
+            self._merge(int(gone), int(stays))
+            self.log_posterior += float(change[gone, stays])
+            self.refresh()
+
+    def _merger_changes(self) -> np.ndarray:
+        """How the log posterior changes when objects i and j become one, (K, K); -inf for rivals, and for i = j."""
+        count = len(self.members)
+        member_of = (self.slot[:, None] == np.arange(count)).astype(float)
+        rivals = member_of.T @ self.evidence.rivals @ member_of > 0
+        blocks, mean = self.cov.reshape(count, 2, count, 2).swapaxes(1, 2), self.mean.reshape(-1, 2)
+        own = blocks[np.arange(count), np.arange(count)]
+        cov = own[:, None] + own - blocks - blocks.swapaxes(2, 3)
+        cov[np.arange(count), np.arange(count)] = np.eye(2)
+        change = np.where(rivals | np.eye(count, dtype=bool), -np.inf, _log_normal(mean[:, None] - mean, cov))
+        prior = [log_prior(self.evidence.counts[each].tolist(), self.evidence) for each in self.members]
+        # A merger can gain no more than this by the prior.
+        most = 10.0 * len(self.slot)
+        for i, j in np.argwhere(np.triu(change > -most)):
+            both = sorted(self.members[i] + self.members[j])
+            joint = log_prior(self.evidence.counts[both].tolist(), self.evidence)
+            change[i, j] += joint - prior[i] - prior[j]
+        change[np.tril_indices(count)] = -np.inf
+        return change
+
     def _seat(self, tracklet: int, anchors: np.ndarray, first: bool | None, temperature: float) -> float:
-        """Put a lone tracklet to one of two anchors, the first or by chance (None); return the log probability of it."""
+        """Put a lone tracklet to the first of two anchors, to the other, or by chance (None); the log probability."""
         slots = self.slot[anchors]
         change = np.array([self._change(tracklet, slot) for slot in slots])
         scaled = change / temperature
@@ -165,7 +208,13 @@ class GibbsSampler:
         return float(density) + self._seating(self.members[slot], tracklet, +1)
 
     def _saved(self) -> tuple:
-        return self.slot.copy(), [list(each) for each in self.members], self.cov.copy(), self.mean.copy(), self.log_posterior
+        return (
+            self.slot.copy(),
+            [list(each) for each in self.members],
+            self.cov.copy(),
+            self.mean.copy(),
+            self.log_posterior,
+        )
 
     def _restore(self, saved: tuple) -> None:
         self.slot, self.members, self.cov, self.mean, self.log_posterior = saved

@@ -7,6 +7,8 @@ Castellanos, Martinez-Cantin, Tardos and Neira, "Robocentric map joining", 2007)
 forgotten; seen again it begins another tracklet. Which tracklets are of one object is for ``association.gibbs`` to say.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from npslam_teach import se2
@@ -20,6 +22,7 @@ from npslam_teach.methods.gating import (
     squared_gates,
     squared_mahalanobis,
 )
+from npslam_teach.methods.repair import in_order_of_sight
 from npslam_teach.types import RobotLog
 
 LONGEST_GAP = 10  # poses out of sight after which an object is forgotten
@@ -57,6 +60,25 @@ def tracklets(
         nearby = nearby.updated(decision[matched], xy[matched], noise, time)
         nearby = nearby.joined_by(labels[observations[is_new]], xy[is_new], seen_class[is_new], noise, time)
     return labels
+
+
+def tied_both_ways(log: RobotLog, **settings) -> np.ndarray:
+    """Tie only what is tied forwards and backwards in time.
+
+    Where one object comes into view as another leaves it, the first of the one may be taken for the other; but seldom
+    is the last of the other, backwards in time, taken for the one as well.
+
+    Args:
+        log: what the robot measured.
+        settings: of ``tracklets``.
+
+    Returns:
+        (M,) index of the tracklet; -1 = left out in one direction or both.
+    """
+    forwards = tracklets(log, **settings)
+    steps, times = se2.inverse(log.odometry[::-1]), log.num_poses - 1 - log.obs_time
+    backwards = tracklets(replace(log, odometry=steps, obs_time=times), **settings)
+    return in_order_of_sight(np.column_stack([forwards, backwards]), (forwards >= 0) & (backwards >= 0))
 
 
 class _Surroundings:

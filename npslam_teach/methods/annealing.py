@@ -1,0 +1,110 @@
+"""Which tracklets are of one object: the search for the best partition, hot first and then ever colder.
+
+At a high temperature tracklets change their object freely; as it falls the moves that lower the posterior die out.
+After every sweep the pose graph is solved for the partition found and linearized anew, because a linear model is good
+only near the trajectory around which it was made.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from npslam_teach.association.gibbs import GibbsSampler, TrackletEvidence
+from npslam_teach.pose_graph import levenberg_marquardt, observation_factors
+from npslam_teach.pose_graph.reduced_system import ReducedSystem, reduced_system
+from npslam_teach.types import PoseGraph, RobotLog
+
+TEMPERATURES = tuple(np.geomspace(8.0, 0.05, 13))
+PROPOSALS = 20  # to split or to merge, after every sweep
+COLD, SETTLING_ROUNDS = 0.01, 10
+
+
+class Model(NamedTuple):
+    """What does not change while partitions do: the tracklets and the prior."""
+
+    log: RobotLog
+    tracklet: np.ndarray  # (M,) of each observation, -1 = of none
+    rivals: np.ndarray  # (N, N) bool, pairs that cannot be one object
+    alpha: float
+    area: float  # m^2
+
+    def evidence(self, reduced: ReducedSystem) -> TrackletEvidence:
+        """The linear model, with the prior."""
+        counts = np.bincount(self.tracklet[self.tracklet >= 0], minlength=len(self.rivals))
+        parts = reduced.constant, reduced.vector, reduced.information
+        return TrackletEvidence(*parts, counts, self.rivals, self.alpha, self.area)
+
+    def of_observations(self, labels: np.ndarray) -> np.ndarray:
+        """The object of each observation (M,), -1 = none, from that of each tracklet (N,)."""
+        return np.append(labels, -1)[self.tracklet]
+
+
+class State(NamedTuple):
+    """A partition, and the trajectory and the map that it makes most probable."""
+
+    temperature: float
+    labels: np.ndarray  # (N,) the object of each tracklet
+    graph: PoseGraph  # one landmark for every tracklet; those of one object coincide
+    log_posterior: float
+    linear_chi2: float  # of the model that the sampler saw
+    chi2: float  # of the graph
+
+
+def anneal(
+    model: Model, graph: PoseGraph, labels: np.ndarray, temperatures, rng: np.random.Generator
+) -> Iterator[State]:
+    """One state for every temperature.
+
+    Args:
+        model: with N tracklets.
+        graph: around which to linearize first; one landmark for every tracklet.
+        labels: (N,) the partition to begin with.
+        temperatures: one sweep for each.
+        rng: the generator.
+    """
+    for temperature in temperatures:
+        reduced = reduced_system(graph)
+        sampler = GibbsSampler(model.evidence(reduced), labels, rng)
+        sampler.sweep(temperature)
+        for _ in range(PROPOSALS):
+            sampler.split_or_merge(temperature)
+        if temperature <= COLD:
+            sampler.merge_objects()
+        labels, linear_chi2 = sampler.labels, reduced.chi2(sampler.positions)
+        graph, chi2 = solved(model, reduced.graph_at(sampler.positions), labels)
+        yield State(temperature, labels, graph, sampler.log_posterior, linear_chi2, chi2)
+
+
+def settled(model: Model, state: State, rng: np.random.Generator) -> State:
+    """Cold sweeps until no label changes and the linear model says of chi2 what the solver says."""
+    for _ in range(SETTLING_ROUNDS):
+        before = state
+        (state,) = anneal(model, before.graph, before.labels, (COLD,), rng)
+        same = np.array_equal(before.labels, state.labels)
+        if same and abs(state.linear_chi2 - state.chi2) <= 1e-3 * (1.0 + state.chi2):
+            break
+    return state
+
+
+def solved(model: Model, graph: PoseGraph, labels: np.ndarray, steps: int = 2) -> tuple[PoseGraph, float]:
+    """A few steps of the solver for a partition; the graph keeps one landmark for every tracklet. And its chi2."""
+    first = np.unique(labels, return_index=True)[1]
+    factors = observation_factors(model.log, model.of_observations(labels), model.log.observation_std)
+    joined = replace(graph, landmarks=graph.landmarks[first], observations=factors)
+    *_, last = levenberg_marquardt(joined, max_iterations=steps)
+    return replace(graph, poses=last.graph.poses, landmarks=last.graph.landmarks[labels]), last.chi2
+
+
+def rivals_of(log: RobotLog, tracklet: np.ndarray) -> np.ndarray:
+    """Pairs of tracklets that cannot be one object, (N, N) bool: of two classes, or seen in one frame."""
+    used = np.flatnonzero(tracklet >= 0)
+    of_class = np.zeros(tracklet.max(initial=-1) + 1, dtype=int)
+    of_class[tracklet[used]] = log.obs_class[used]
+    rivals = of_class[:, None] != of_class
+    used = used[np.argsort(log.obs_time[used], kind="stable")]
+    for frame in np.split(tracklet[used], np.flatnonzero(np.diff(log.obs_time[used])) + 1):
+        rivals[np.ix_(frame, frame)] = True
+    np.fill_diagonal(rivals, False)
+    return rivals

@@ -1,0 +1,256 @@
+"""The Dirichlet process done in full: the most probable partition, the trajectory and the map integrated out.
+
+The paper holds trajectory and map still while it asks who is who, so that its kernel must be as wide as the drift
+is long. Here every question is asked with all that the measurements say at once: how far two passes over an object lie
+apart, and how far drift may have carried them apart. It has no kernel and no threshold.
+
+1. ``tracklets``: the observations of one pass over one object.
+2. ``pose_graph.reduced_system``: chi2 as a quadratic form in the positions of the tracklets, all poses eliminated.
+3. ``annealing``: Gibbs moves and split-merge moves (``association.gibbs``), from hot to cold, several times.
+4. ``repair``: observations looked at again with the whole map at hand, and those that were left out.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from npslam_teach import se2
+from npslam_teach.association import require_alpha, same_partition
+from npslam_teach.association.gibbs import log_posterior
+from npslam_teach.methods.annealing import COLD, TEMPERATURES, Model, State, anneal, rivals_of, settled
+from npslam_teach.methods.gating import GATE
+from npslam_teach.methods.repair import cut_in_two, in_order_of_sight, pieces, reassigned
+from npslam_teach.methods.snapshots import initial_snapshot, snapshot
+from npslam_teach.methods.tracklets import tied_both_ways
+from npslam_teach.pose_graph import fit, mean_landmarks, observation_factors, with_associations
+from npslam_teach.pose_graph.reduced_system import reduced_system
+from npslam_teach.system.progress import track
+from npslam_teach.types import PoseGraph, RobotLog, Snapshot
+
+FEW = 64  # observations, up to which each is its own tracklet
+WARM, REPAIR_ROUNDS = (1.0, 0.3, 0.1), 3
+SAME = 1e-3  # of the log posterior: two starts have found the same
+
+
+def posterior(
+    log: RobotLog,
+    alpha: float = 1.0,
+    *,
+    area: float | None = None,
+    starts: int = 6,
+    odometry_std=None,
+    observation_std=None,
+    seed: int = 0,
+) -> Iterator[Snapshot]:
+    """Find the most probable partition of the observations, and with it map and trajectory.
+
+    Args:
+        log: what the robot measured.
+        alpha: concentration of the Dirichlet process.
+        area: m^2 over which objects are uniform; None: the box around all that was seen.
+        starts: at most so many searches from the beginning; fewer when the best has been found twice.
+        odometry_std: (3,) m, m, rad per step; None: what the log says.
+        observation_std: (2,) m; None: what the log says.
+        seed: of the random numbers.
+
+    Yields:
+        the frame-by-frame start; the tracklets; the best after every search; the result. An observation that fits no
+        object and makes none (no other is near it) has label -1, but for logs of few observations.
+    """
+    require_alpha(alpha)
+    if starts != int(starts) or starts < 1:
+        raise ValueError(f"starts: expected a positive integer, got {starts}")
+    if area is not None and not 0 < area < float("inf"):
+        raise ValueError(f"area: expected a positive number of square metres, got {area}")
+    log = with_noise(log, odometry_std, observation_std)
+    yield initial_snapshot(log, log.odometry_std, log.observation_std)
+    if log.num_observations == 0:
+        return
+    # The order of the lines in a file says nothing; the same log gives the same answer in any order.
+    order = np.lexsort((log.obs_xy[:, 1], log.obs_xy[:, 0], log.obs_time))
+    back = np.argsort(order)
+    for iteration, (labels, graph) in enumerate(_search(_reordered(log, order), alpha, area, int(starts), seed), 1):
+        graph = with_associations(log, graph, labels[back], graph.landmarks, log.observation_std)
+        yield snapshot(log, iteration, labels[back], graph)
+
+
+def start_model(log: RobotLog, alpha: float = 1.0, area: float | None = None) -> tuple[Model, PoseGraph]:
+    """The tracklets of a log and how they tie its trajectory together, before any two of them are one object.
+
+    Args:
+        log: at least one observation.
+        alpha: concentration of the Dirichlet process.
+        area: m^2 over which objects are uniform; None: of ``box_area``.
+
+    Returns:
+        the model; the graph with one landmark for every tracklet, solved.
+    """
+    few = log.num_observations <= FEW
+    tracklet = np.arange(log.num_observations) if few else tied_both_ways(log)
+    graph = fit(log, tracklet)
+    return Model(log, tracklet, rivals_of(log, tracklet), alpha, box_area(graph) if area is None else area), graph
+
+
+def box_area(graph: PoseGraph) -> float:
+    """The area in m^2 of the box around path and landmarks; of a line, that of the square above it."""
+    places = np.concatenate([graph.poses[:, :2], graph.landmarks])
+    width, height = np.sort(np.ptp(places, axis=0))[::-1]
+    return float(width * (height if height > 1e-3 * width else width)) or 1.0
+
+
+def best_of_starts(model: Model, graph: PoseGraph, starts: int, seed) -> Iterator[State]:
+    """The best partition after each of several searches; they end when the best has been found twice."""
+    best, found = None, 0
+    for start in range(starts):
+        rng = np.random.default_rng([*seed, start])
+        *_, last = anneal(model, graph, np.arange(len(model.rivals)), TEMPERATURES, rng)
+        last = settled(model, last, rng)
+        if best is None or last.log_posterior > best.log_posterior + SAME:
+            best, found = last, 1
+        elif last.log_posterior > best.log_posterior - SAME:
+            found += 1
+        yield best
+        if found == 2:
+            return
+
+
+def repaired(model: Model, state: State, rng: np.random.Generator) -> tuple[Model, State]:
+    """Look at everything again at a finer grain, with the whole map at hand.
+
+    Tracklets are cut into pieces that may change their object; then every observation takes the object that suits it
+    best, those that were left out as well. The parts of a tracklet that stay together are tied together again.
+    """
+    tied = model.tracklet
+    halves = cut_in_two(model.log, state.graph.poses, state.graph.landmarks, tied)
+    of_half = model.of_observations(state.labels)[np.unique(halves, return_index=True)[1][int((halves < 0).any()) :]]
+    found = [_descended(model, state, halves, of_half, temperatures, rng) for temperatures in (WARM, (COLD,))]
+    model, state = max(found, key=lambda each: each[1].log_posterior)
+    for _ in range(REPAIR_ROUNDS):
+        before = model.of_observations(state.labels)
+        seen = reassigned(model.log, state.graph.poses, *_objects(model, state))
+        model, state = _descended(model, state, *pieces(tied, seen), (COLD,), rng)
+        if same_partition(before, model.of_observations(state.labels)):
+            break
+    return model, state
+
+
+def confirmed(labels: np.ndarray) -> np.ndarray:
+    """Without objects (M,) that were seen a single time: what is never seen again may as well be clutter."""
+    alone = (labels >= 0) & (np.bincount(labels + 1)[labels + 1] == 1)
+    return without_gaps(np.where(alone, -1, labels))
+
+
+def without_gaps(labels: np.ndarray) -> np.ndarray:
+    """The same objects (M,), numbered from 0 without gaps; -1 stays."""
+    return in_order_of_sight(labels[:, None], labels >= 0)
+
+
+def _search(log: RobotLog, alpha: float, area: float | None, starts: int, seed: int):
+    """Labels (M,) and the graph with one landmark for each object: of the tracklets, after every search, at the end."""
+    model, graph = start_model(log, alpha, area)
+    yield model.tracklet, graph
+    for state in track(best_of_starts(model, graph, starts, (seed,)), starts, "posterior", "searches"):
+        labels = model.of_observations(state.labels)
+        yield labels, fit(log, labels, state.graph.poses)
+    if log.num_observations <= FEW:
+        return
+    rng = np.random.default_rng([seed, starts])
+    finer, state = repaired(model, state, rng)
+    labels, graph, score = with_whole_tracklets(model, finer.of_observations(state.labels), state.graph.poses)
+    finer, state = _descended(model, state, *pieces(model.tracklet, labels), (COLD,), rng)
+    again = with_whole_tracklets(model, finer.of_observations(state.labels), state.graph.poses)
+    labels = confirmed(again[0] if again[2] > score else labels)
+    yield labels, fit(log, labels, graph.poses)
+
+
+def with_whole_tracklets(model: Model, labels: np.ndarray, poses: np.ndarray) -> tuple[np.ndarray, PoseGraph, float]:
+    """Undo cuts of tracklets that do not pay.
+
+    Args:
+        model: with the tracklets as they were before any cut.
+        labels: (M,) the object of each observation, -1 = of none.
+        poses: (T, 3) W, from which the solver sets out.
+
+    Returns:
+        (M,) labels, the graph solved for them, and their ``partition_score``.
+    """
+    graph = fit(model.log, labels, poses)
+    score = partition_score(model, labels, graph)
+    for k in range(len(model.rivals)):
+        whole = _made_whole(labels, np.flatnonzero(model.tracklet == k), model.log.obs_time)
+        if whole is not None:
+            joined = fit(model.log, whole, graph.poses)
+            joined_score = partition_score(model, whole, joined)
+            if joined_score > score:
+                labels, graph, score = whole, joined, joined_score
+    return labels, graph, score
+
+
+def partition_score(model: Model, labels: np.ndarray, graph: PoseGraph) -> float:
+    """The log posterior of a partition of the observations that may cut tracklets.
+
+    Of many possible cuts one always looks good: a share ``1 - GATE`` of all matches is wrong, and which k of the n
+    observations of a tracklet go elsewhere is one of ``n! / k! (n - k)!`` choices.
+
+    Args:
+        model: with the tracklets as they were before any cut.
+        labels: (M,) the object of each observation; one that was left out, -1, counts as an object of its own.
+        graph: solved for them.
+    """
+    piece, of_piece = pieces(model.tracklet, labels)
+    landmarks = mean_landmarks(piece, se2.apply(graph.poses[model.log.obs_time], model.log.obs_xy))
+    together = labels[np.unique(piece, return_index=True)[1]]
+    landmarks[together >= 0] = graph.landmarks[together[together >= 0]]
+    factors = observation_factors(model.log, piece, model.log.observation_std)
+    reduced = reduced_system(replace(graph, landmarks=landmarks, observations=factors))
+    finer = model._replace(tracklet=piece, rivals=rivals_of(model.log, piece))
+    score = log_posterior(finer.evidence(reduced), of_piece)
+    for k in range(len(model.rivals)):
+        counts = np.unique(labels[model.tracklet == k], return_counts=True)[1]
+        if len(counts) > 1:
+            total = int(counts.sum())
+            score += math.log(1 - GATE) - math.log(math.comb(total, int(counts.max())))
+    return score
+
+
+def _made_whole(labels: np.ndarray, own: np.ndarray, obs_time: np.ndarray) -> np.ndarray | None:
+    """All observations of a tracklet (n,) in the object of most of them; None where they are, or cannot be."""
+    objects, counts = np.unique(labels[own], return_counts=True)
+    home = objects[counts.argmax()]
+    there = np.isin(obs_time[labels == home], obs_time[own[labels[own] != home]])
+    if len(objects) == 1 or home < 0 or there.any():
+        return None
+    whole = labels.copy()
+    whole[own] = home
+    return without_gaps(whole)
+
+
+def _descended(model: Model, state: State, tracklet, labels, temperatures, rng) -> tuple[Model, State]:
+    """The same partition with other tracklets (M,), whose objects (N,) are given, and then the best that is near."""
+    log, graph = model.log, state.graph
+    places = se2.apply(graph.poses[log.obs_time], log.obs_xy)
+    factors = observation_factors(log, tracklet, log.observation_std)
+    graph = replace(graph, landmarks=mean_landmarks(tracklet, places), observations=factors)
+    model = model._replace(tracklet=tracklet, rivals=rivals_of(log, tracklet))
+    *_, state = anneal(model, graph, labels, temperatures, rng)
+    return model, settled(model, state, rng)
+
+
+def _objects(model: Model, state: State) -> tuple[np.ndarray, np.ndarray]:
+    """Where the objects are, (K, 2) m, W, and of which class, (K,)."""
+    first = np.unique(state.labels, return_index=True)[1]
+    seen = np.unique(model.tracklet, return_index=True)[1][int((model.tracklet < 0).any()) :]
+    return state.graph.landmarks[first], model.log.obs_class[seen[first]]
+
+
+def _reordered(log: RobotLog, order: np.ndarray) -> RobotLog:
+    fields = {name: getattr(log, name)[order] for name in ("obs_time", "obs_xy", "obs_class")}
+    return replace(log, **fields)
+
+
+def with_noise(log: RobotLog, odometry_std, observation_std) -> RobotLog:
+    """The log with other standard deviations, where they are given."""
+    given = {"odometry_std": odometry_std, "observation_std": observation_std}
+    return replace(log, **{name: std for name, std in given.items() if std is not None})

@@ -1,0 +1,90 @@
+"""Repair of tracklets with the whole map at hand: what was tied together too early, or left out, is looked at again."""
+
+import numpy as np
+
+from npslam_teach import se2
+from npslam_teach.association import one_to_one
+from npslam_teach.methods.gating import frames_of
+from npslam_teach.pose_graph import squared_radius
+from npslam_teach.types import RobotLog
+
+REPAIR_GATE = 0.9999  # the share of right matches that is let through: of ten thousand one is asked again
+
+
+def reassigned(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, object_class: np.ndarray) -> np.ndarray:
+    """The object that suits each observation best, frame by frame and one to one, trajectory and map held still.
+
+    Args:
+        log: what was measured.
+        poses: (T, 3) W.
+        landmarks: (K, 2) m, W, of the objects.
+        object_class: (K,).
+
+    Returns:
+        (M,) index of the object; -1 = beyond the gate of all that are free.
+    """
+    labels, gate = np.full(log.num_observations, -1), squared_radius(REPAIR_GATE)
+    expected = se2.apply_inverse(poses[log.obs_time][:, None], landmarks)
+    squared = (((log.obs_xy[:, None] - expected) / log.observation_std) ** 2).sum(axis=2)
+    squared[log.obs_class[:, None] != object_class] = np.inf
+    for observations in frames_of(log):
+        if len(observations):
+            labels[observations] = one_to_one(squared[observations], gate)
+    return np.where(labels < len(object_class), labels, -1)
+
+
+def cut_in_two(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, tracklet: np.ndarray) -> np.ndarray:
+    """Cut every tracklet where its residuals change most: where another object may have taken over.
+
+    Args:
+        log: what was measured.
+        poses: (T, 3) W.
+        landmarks: (N, 2) m, W: where the object of each tracklet stands.
+        tracklet: (M,) of each observation, in the order of the poses; -1 = of none.
+
+    Returns:
+        (M,) index of the half, in the order of first sight.
+    """
+    off = se2.apply(poses[log.obs_time], log.obs_xy) - np.vstack([landmarks, [0.0, 0.0]])[tracklet]
+    half = np.zeros(len(tracklet), dtype=int)
+    for k in range(len(landmarks)):
+        own = np.flatnonzero(tracklet == k)
+        half[own[_greatest_change(off[own]) :]] = 1
+    return in_order_of_sight(np.column_stack([tracklet, half]), tracklet >= 0)
+
+
+def _greatest_change(off: np.ndarray) -> int:
+    """Before which of the residuals (n, 2) their mean changes most significantly; 0 for a single one."""
+    before = np.arange(1, len(off))
+    after = len(off) - before
+    sums = np.cumsum(off, axis=0)
+    difference = sums[:-1] / before[:, None] - (sums[-1] - sums[:-1]) / after[:, None]
+    significance = (difference**2).sum(axis=1) * before * after
+    return int(significance.argmax()) + 1 if len(before) else 0
+
+
+def in_order_of_sight(keys: np.ndarray, used: np.ndarray) -> np.ndarray:
+    """Observations of equal keys (M, d) get one number, from 0 in the order of the log; -1 where not used (M,)."""
+    numbers = np.full(len(keys), -1)
+    if used.any():
+        _, first, inverse = np.unique(keys[used], axis=0, return_index=True, return_inverse=True)
+        numbers[used] = np.argsort(np.argsort(first))[inverse.ravel()]
+    return numbers
+
+
+def pieces(tracklet: np.ndarray, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cut tracklets where their observations turn out to be of several objects.
+
+    Args:
+        tracklet: (M,) of each observation, -1 = of none.
+        labels: (M,) the object of each observation, -1 = of none: such an observation is a piece of its own.
+
+    Returns:
+        (M,) the piece of each observation, in the order of first sight; (N,) the object of each piece.
+    """
+    alone = (tracklet < 0) | (labels < 0)
+    keys = np.column_stack([tracklet, labels, np.where(alone, np.arange(len(labels)), -1)])
+    piece = in_order_of_sight(keys, np.full(len(labels), True))
+    of_piece = labels[np.unique(piece, return_index=True)[1]]
+    of_piece[of_piece < 0] = len(labels) + np.arange(np.count_nonzero(of_piece < 0))
+    return piece, np.unique(of_piece, return_inverse=True)[1]

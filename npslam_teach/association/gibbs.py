@@ -170,14 +170,36 @@ class GibbsSampler:
             self.log_posterior += float(change[gone, stays])
             self.refresh()
 
-    def _merger_changes(self) -> np.ndarray:
-        """How the log posterior changes when objects i and j become one, (K, K); -inf for rivals, and for i = j."""
+    def displaced(self, share: float, spread: np.ndarray) -> np.ndarray:
+        """The labels (N,) when small objects turn out to be larger ones, seen in a wrong place.
+
+        A share of the tracklets is displaced: by an error of the pose or of the detector that lasts as long as they do,
+        with a covariance far above that of single observations. An object joins the one for which this is most probable
+        and more so than that it is there. It does not pull on the map.
+
+        Args:
+            share: of the tracklets that are displaced.
+            spread: (2, 2) m^2, by how much.
+        """
+        self.refresh()
+        labels, change = self.slot.copy(), self._merger_changes(spread)
+        change = np.maximum(change, change.T)
+        for i in sorted(range(len(self.members)), key=lambda i: self.evidence.counts[self.members[i]].sum()):
+            gain = change[i] + math.log(share) * len(self.members[i])
+            if len(gain) and gain.max() > 0:
+                labels[self.members[i]] = labels[self.members[int(gain.argmax())][0]]
+                change[:, i] = -np.inf
+        return np.unique(labels, return_inverse=True)[1]
+
+    def _merger_changes(self, spread: np.ndarray | float = 0.0) -> np.ndarray:
+        """How the log posterior changes when objects i and j become one, (K, K); -inf for rivals, and for i >= j."""
         count = len(self.members)
         member_of = (self.slot[:, None] == np.arange(count)).astype(float)
         rivals = member_of.T @ self.evidence.rivals @ member_of > 0
         blocks, mean = self.cov.reshape(count, 2, count, 2).swapaxes(1, 2), self.mean.reshape(-1, 2)
         own = blocks[np.arange(count), np.arange(count)]
         cov = own[:, None] + own - blocks - blocks.swapaxes(2, 3)
+        cov = cov + spread
         cov[np.arange(count), np.arange(count)] = np.eye(2)
         change = np.where(rivals | np.eye(count, dtype=bool), -np.inf, _log_normal(mean[:, None] - mean, cov))
         prior = [log_prior(self.evidence.counts[each].tolist(), self.evidence) for each in self.members]

@@ -18,19 +18,20 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.association import require_alpha, same_partition
-from npslam_teach.association.gibbs import log_posterior
+from npslam_teach.association.gibbs import GibbsSampler, log_posterior
 from npslam_teach.methods.annealing import COLD, TEMPERATURES, Model, State, anneal, rivals_of, settled
 from npslam_teach.methods.gating import GATE
-from npslam_teach.methods.repair import cut_in_two, in_order_of_sight, pieces, reassigned
+from npslam_teach.methods.repair import cut_in_two, in_order_of_sight, outlier_share, pieces, reassigned
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
 from npslam_teach.methods.tracklets import tied_both_ways
 from npslam_teach.pose_graph import fit, mean_landmarks, observation_factors, with_associations
-from npslam_teach.pose_graph.reduced_system import reduced_system
+from npslam_teach.pose_graph.reduced_system import ReducedSystem, reduced_system
 from npslam_teach.system.progress import track
 from npslam_teach.types import PoseGraph, RobotLog, Snapshot
 
 FEW = 64  # observations, up to which each is its own tracklet
 WARM, REPAIR_ROUNDS = (1.0, 0.3, 0.1), 3
+OUTLIER_FACTOR = 5.0  # how many standard deviations of an observation an outlier is off, more or less
 SAME = 1e-3  # of the log posterior: two starts have found the same
 
 
@@ -161,8 +162,20 @@ def _search(log: RobotLog, alpha: float, area: float | None, starts: int, seed: 
     labels, graph, score = with_whole_tracklets(model, finer.of_observations(state.labels), state.graph.poses)
     finer, state = _descended(model, state, *pieces(model.tracklet, labels), (COLD,), rng)
     again = with_whole_tracklets(model, finer.of_observations(state.labels), state.graph.poses)
-    labels = confirmed(again[0] if again[2] > score else labels)
+    labels, graph, _ = again if again[2] > score else (labels, graph, score)
+    labels = confirmed(without_displaced(model, labels, graph))
     yield labels, fit(log, labels, graph.poses)
+
+
+def without_displaced(model: Model, labels: np.ndarray, graph: PoseGraph) -> np.ndarray:
+    """Labels (M,) in which objects that are others in a wrong place are joined to them, where the log has outliers."""
+    share = outlier_share(model.log, graph, labels)
+    if share == 0.0:
+        return labels
+    finer, reduced, of_piece = _in_pieces(model, labels, graph)
+    sampler = GibbsSampler(finer.evidence(reduced), of_piece, np.random.default_rng(0))
+    spread = np.diag((OUTLIER_FACTOR * model.log.observation_std) ** 2)
+    return without_gaps(finer.of_observations(sampler.displaced(share, spread)))
 
 
 def with_whole_tracklets(model: Model, labels: np.ndarray, poses: np.ndarray) -> tuple[np.ndarray, PoseGraph, float]:
@@ -199,13 +212,7 @@ def partition_score(model: Model, labels: np.ndarray, graph: PoseGraph) -> float
         labels: (M,) the object of each observation; one that was left out, -1, counts as an object of its own.
         graph: solved for them.
     """
-    piece, of_piece = pieces(model.tracklet, labels)
-    landmarks = mean_landmarks(piece, se2.apply(graph.poses[model.log.obs_time], model.log.obs_xy))
-    together = labels[np.unique(piece, return_index=True)[1]]
-    landmarks[together >= 0] = graph.landmarks[together[together >= 0]]
-    factors = observation_factors(model.log, piece, model.log.observation_std)
-    reduced = reduced_system(replace(graph, landmarks=landmarks, observations=factors))
-    finer = model._replace(tracklet=piece, rivals=rivals_of(model.log, piece))
+    finer, reduced, of_piece = _in_pieces(model, labels, graph)
     score = log_posterior(finer.evidence(reduced), of_piece)
     for k in range(len(model.rivals)):
         counts = np.unique(labels[model.tracklet == k], return_counts=True)[1]
@@ -213,6 +220,17 @@ def partition_score(model: Model, labels: np.ndarray, graph: PoseGraph) -> float
             total = int(counts.sum())
             score += math.log(1 - GATE) - math.log(math.comb(total, int(counts.max())))
     return score
+
+
+def _in_pieces(model: Model, labels: np.ndarray, graph: PoseGraph) -> tuple[Model, ReducedSystem, np.ndarray]:
+    """Tracklets cut by labels (M,), the graph reduced to them, and the object of each piece (N,)."""
+    piece, of_piece = pieces(model.tracklet, labels)
+    landmarks = mean_landmarks(piece, se2.apply(graph.poses[model.log.obs_time], model.log.obs_xy))
+    together = labels[np.unique(piece, return_index=True)[1]]
+    landmarks[together >= 0] = graph.landmarks[together[together >= 0]]
+    factors = observation_factors(model.log, piece, model.log.observation_std)
+    reduced = reduced_system(replace(graph, landmarks=landmarks, observations=factors))
+    return model._replace(tracklet=piece, rivals=rivals_of(model.log, piece)), reduced, of_piece
 
 
 def _made_whole(labels: np.ndarray, own: np.ndarray, obs_time: np.ndarray) -> np.ndarray | None:

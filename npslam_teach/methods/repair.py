@@ -4,9 +4,9 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.association import one_to_one
-from npslam_teach.methods.gating import frames_of
+from npslam_teach.methods.gating import GATE, frames_of
 from npslam_teach.pose_graph import squared_radius
-from npslam_teach.types import RobotLog
+from npslam_teach.types import PoseGraph, RobotLog
 
 REPAIR_GATE = 0.9999  # the share of right matches that is let through: of ten thousand one is asked again
 
@@ -88,3 +88,24 @@ def pieces(tracklet: np.ndarray, labels: np.ndarray) -> tuple[np.ndarray, np.nda
     of_piece = labels[np.unique(piece, return_index=True)[1]]
     of_piece[of_piece < 0] = len(labels) + np.arange(np.count_nonzero(of_piece < 0))
     return piece, np.unique(of_piece, return_inverse=True)[1]
+
+
+def outlier_share(log: RobotLog, graph: PoseGraph, labels: np.ndarray) -> float:
+    """The share of the observations that lie far out, beyond what a normal distribution and chance explain; 0 if none.
+
+    Residuals are compared with their own median, so that a log that is better than it says has no outliers for that.
+
+    Args:
+        log: what was measured.
+        graph: one landmark for each object, solved.
+        labels: (M,) index of the object; -1 = of none.
+    """
+    used = np.flatnonzero(labels >= 0)
+    if len(used) == 0:
+        return 0.0
+    expected = se2.apply_inverse(graph.poses[log.obs_time[used]], graph.landmarks[labels[used]])
+    squared = (((log.obs_xy[used] - expected) / log.observation_std) ** 2).sum(axis=1)
+    typical = np.median(squared) / squared_radius(0.5)
+    chance = 1 - GATE
+    share = np.mean(squared > squared_radius(GATE) * typical)
+    return float(share - chance) if share > chance + 3 * np.sqrt(chance * GATE / len(used)) else 0.0

@@ -44,9 +44,14 @@ def log_posterior(evidence: TrackletEvidence, labels: np.ndarray) -> float:
     if (together & evidence.rivals).any():
         return -math.inf
     precision, vector = joint_system(evidence, labels)
-    chi2 = evidence.constant - vector @ np.linalg.solve(precision, vector)
+    members = [np.flatnonzero(labels == i).tolist() for i in range(labels.max(initial=-1) + 1)]
+    return _log_evidence(evidence, precision, vector, np.linalg.solve(precision, vector), members)
+
+
+def _log_evidence(evidence: TrackletEvidence, precision, vector, mean, members: list[list[int]]) -> float:
+    chi2 = evidence.constant - vector @ mean
     log_det = np.linalg.slogdet(precision / (2 * np.pi))[1]
-    prior = sum(log_prior(evidence.counts[labels == i].tolist(), evidence) for i in range(labels.max(initial=-1) + 1))
+    prior = sum(log_prior(evidence.counts[each].tolist(), evidence) for each in members)
     return float(-chi2 / 2 - log_det / 2 + prior)
 
 
@@ -108,10 +113,10 @@ class GibbsSampler:
 
     def sweep(self, temperature: float = 1.0) -> None:
         """Ask every tracklet once, in random order."""
-        self.refresh()
         for tracklet in self.rng.permutation(len(self.slot)):
             self.split_off(tracklet)
             self.join(tracklet, *self.draw(*self.weights(tracklet), temperature))
+        self.refresh()
 
     def refresh(self) -> None:
         """Work everything out anew: the rounding of many updates would grow."""
@@ -119,7 +124,8 @@ class GibbsSampler:
         self.members = [np.flatnonzero(self.slot == i).tolist() for i in range(self.slot.max(initial=-1) + 1)]
         precision, vector = joint_system(self.evidence, self.slot)
         self.cov = np.linalg.inv(precision) if len(precision) else precision
-        self.mean, self.log_posterior = self.cov @ vector, log_posterior(self.evidence, self.slot)
+        self.mean = self.cov @ vector
+        self.log_posterior = _log_evidence(self.evidence, precision, vector, self.mean, self.members)
 
     def split_or_merge(self, temperature: float = 1.0) -> bool:
         """Propose to split an object in two, or to make one of two, where single tracklets would have to climb.
@@ -131,7 +137,6 @@ class GibbsSampler:
         """
         if len(self.slot) < 2:
             return False
-        self.refresh()
         anchors = self.rng.choice(len(self.slot), 2, replace=False)
         if self.evidence.rivals[tuple(anchors)]:
             return False
@@ -154,6 +159,7 @@ class GibbsSampler:
                 self.join(tracklet, self.slot[anchors[0]], self._change(tracklet, self.slot[anchors[0]]))
             log_ratio = (self.log_posterior - before[-1]) / temperature + log_way
         if math.log(self.rng.random()) < log_ratio:
+            self.refresh()
             return True
         self._restore(before)
         return False

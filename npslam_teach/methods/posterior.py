@@ -126,8 +126,7 @@ def repaired(model: Model, state: State, rng: np.random.Generator) -> tuple[Mode
     tied = model.tracklet
     halves = cut_in_two(model.log, state.graph.poses, state.graph.landmarks, tied)
     of_half = model.of_observations(state.labels)[np.unique(halves, return_index=True)[1][int((halves < 0).any()) :]]
-    found = [_descended(model, state, halves, of_half, temperatures, rng) for temperatures in (WARM, (COLD,))]
-    model, state = max(found, key=lambda each: each[1].log_posterior)
+    model, state = _descended(model, state, halves, of_half, WARM, rng)
     for _ in range(REPAIR_ROUNDS):
         before = model.of_observations(state.labels)
         seen = reassigned(model.log, state.graph.poses, *_objects(model, state))

@@ -95,15 +95,18 @@ class _Surroundings:
 
     def after_step(self, step: np.ndarray, odometry_std: np.ndarray) -> "_Surroundings":
         """The same objects from the next pose; the error of the step is common to them all."""
+        if len(self.xy) == 0:
+            return self
         xy = se2.apply_inverse(step, self.xy)
         turn = se2.rotate(-step[2], np.eye(2)).T
-        by_object = np.kron(np.eye(len(xy)), turn)
+        turned = (turn @ self.cov.reshape(len(xy), 2, -1)).reshape(self.cov.shape)  # rows, and then columns
+        turned = (turn @ turned.T.reshape(len(xy), 2, -1)).reshape(self.cov.shape)
         # A step that is off by (dx, dy, dtheta) shifts and turns all that is seen the other way.
         by_step = np.zeros((len(xy), 2, 3))
         by_step[:, :, :2] = -turn
         by_step[:, :, 2] = np.column_stack([xy[:, 1], -xy[:, 0]])
         by_step = by_step.reshape(-1, 3)
-        cov = by_object @ self.cov @ by_object.T + (by_step * odometry_std**2) @ by_step.T
+        cov = turned + (by_step * odometry_std**2) @ by_step.T
         return _Surroundings(self.tracklet, self.object_class, self.last_seen, xy, cov)
 
     def seen_since(self, time: int) -> "_Surroundings":

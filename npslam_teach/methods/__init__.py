@@ -3,13 +3,16 @@
 ``*_, last = method(log)`` gets the answer; ``list(method(log))`` feeds a slider; one loop over ``METHODS`` compares
 them all. Every method begins with the same snapshot 0: dead reckoning, every observation an object of its own.
 Begin with ``np_graph``, the paper's; ``registry`` has a record of each, ``settings`` the constants of the paper and of
-other sensors; ``ekf`` is the filter under ``ekf_slam``.
+other sensors; ``ekf`` is the filter under ``ekf_slam``. ``posterior`` goes past the
+paper: read ``tracklets``, ``annealing`` and ``repair`` with it, and ``posterior_samples``.
 """
 
 from npslam_teach.methods.ekf_slam import ekf_slam
 from npslam_teach.methods.frame_by_frame import frame_by_frame
 from npslam_teach.methods.np_graph import np_graph
 from npslam_teach.methods.open_loop import open_loop
+from npslam_teach.methods.posterior import posterior
+from npslam_teach.methods.posterior_samples import PosteriorSamples, sample_posterior
 from npslam_teach.methods.registry import METHODS, Method
 from npslam_teach.methods.robust_slam import robust_slam
 from npslam_teach.methods.settings import paper_settings, settings_for
@@ -17,11 +20,14 @@ from npslam_teach.methods.settings import paper_settings, settings_for
 __all__ = [
     "METHODS",
     "Method",
+    "PosteriorSamples",
     "ekf_slam",
     "frame_by_frame",
     "np_graph",
     "open_loop",
     "paper_settings",
+    "posterior",
     "robust_slam",
+    "sample_posterior",
     "settings_for",
 ]

@@ -11,7 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from npslam_teach.association.gibbs import GibbsSampler, TrackletEvidence
+from npslam_teach.association.gibbs import GibbsSampler
+from npslam_teach.association.partition_posterior import TrackletEvidence
+from npslam_teach.association.split_merge import merge_objects, split_or_merge
 from npslam_teach.pose_graph import levenberg_marquardt, observation_factors
 from npslam_teach.pose_graph.reduced_system import ReducedSystem, reduced_system
 from npslam_teach.types import PoseGraph, RobotLog
@@ -69,9 +71,9 @@ def anneal(
         sampler = GibbsSampler(model.evidence(reduced), labels, rng)
         sampler.sweep(temperature)
         for _ in range(PROPOSALS):
-            sampler.split_or_merge(temperature)
+            split_or_merge(sampler, temperature)
         if temperature <= COLD:
-            sampler.merge_objects()
+            merge_objects(sampler)
         labels, linear_chi2 = sampler.labels, reduced.chi2(sampler.positions)
         graph, chi2 = solved(model, reduced.graph_at(sampler.positions), labels)
         yield State(temperature, labels, graph, sampler.log_posterior, linear_chi2, chi2)

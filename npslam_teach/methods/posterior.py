@@ -10,7 +10,6 @@ apart, and how far drift may have carried them apart. It has no kernel and no th
 4. ``repair``: observations looked at again with the whole map at hand, and those that were left out.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -18,20 +17,17 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.association import require_alpha, same_partition
-from npslam_teach.association.gibbs import GibbsSampler, log_posterior
 from npslam_teach.methods.annealing import COLD, TEMPERATURES, Model, State, anneal, rivals_of, settled
-from npslam_teach.methods.gating import GATE
-from npslam_teach.methods.repair import cut_in_two, in_order_of_sight, outlier_share, pieces, reassigned
+from npslam_teach.methods.partition_score import with_whole_tracklets, without_displaced
+from npslam_teach.methods.repair import cut_in_two, pieces, reassigned, without_gaps
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
 from npslam_teach.methods.tracklets import tied_both_ways
 from npslam_teach.pose_graph import fit, mean_landmarks, observation_factors, with_associations
-from npslam_teach.pose_graph.reduced_system import ReducedSystem, reduced_system
 from npslam_teach.system.progress import track
 from npslam_teach.types import PoseGraph, RobotLog, Snapshot
 
 FEW = 64  # observations, up to which each is its own tracklet
 WARM, REPAIR_ROUNDS = (1.0, 0.3, 0.1), 3
-OUTLIER_FACTOR = 5.0  # how many standard deviations of an observation an outlier is off, more or less
 SAME = 1e-3  # of the log posterior: two starts have found the same
 
 
@@ -142,9 +138,17 @@ def confirmed(labels: np.ndarray) -> np.ndarray:
     return without_gaps(np.where(alone, -1, labels))
 
 
-def without_gaps(labels: np.ndarray) -> np.ndarray:
-    """The same objects (M,), numbered from 0 without gaps; -1 stays."""
-    return in_order_of_sight(labels[:, None], labels >= 0)
+def best_state(log: RobotLog, alpha: float, area: float | None, starts: int, seed: int) -> tuple[Model, State]:
+    """The most probable partition that was found, with the tracklets in the pieces of which it is made.
+
+    Args: as in ``posterior``.
+    """
+    model, graph = start_model(log, alpha, area)
+    *_, state = track(best_of_starts(model, graph, starts, (seed,)), starts, "posterior", "searches")
+    if log.num_observations <= FEW:
+        return model, state
+    model, state, _ = _refined(model, state, np.random.default_rng([seed, starts]))
+    return model, state
 
 
 def _search(log: RobotLog, alpha: float, area: float | None, starts: int, seed: int):
@@ -154,94 +158,19 @@ def _search(log: RobotLog, alpha: float, area: float | None, starts: int, seed: 
     for state in track(best_of_starts(model, graph, starts, (seed,)), starts, "posterior", "searches"):
         labels = model.of_observations(state.labels)
         yield labels, fit(log, labels, state.graph.poses)
-    if log.num_observations <= FEW:
-        return
-    rng = np.random.default_rng([seed, starts])
+    if log.num_observations > FEW:
+        _, _, (labels, graph) = _refined(model, state, np.random.default_rng([seed, starts]))
+        labels = confirmed(without_displaced(model, labels, graph))
+        yield labels, fit(log, labels, graph.poses)
+
+
+def _refined(model: Model, state: State, rng: np.random.Generator):
+    """Repaired, and what does not pay undone: the model in pieces, its state, and labels (M,) with their graph."""
     finer, state = repaired(model, state, rng)
     labels, graph, score = with_whole_tracklets(model, finer.of_observations(state.labels), state.graph.poses)
     finer, state = _descended(model, state, *pieces(model.tracklet, labels), (COLD,), rng)
     again = with_whole_tracklets(model, finer.of_observations(state.labels), state.graph.poses)
-    labels, graph, _ = again if again[2] > score else (labels, graph, score)
-    labels = confirmed(without_displaced(model, labels, graph))
-    yield labels, fit(log, labels, graph.poses)
-
-
-def without_displaced(model: Model, labels: np.ndarray, graph: PoseGraph) -> np.ndarray:
-    """Labels (M,) in which objects that are others in a wrong place are joined to them, where the log has outliers."""
-    share = outlier_share(model.log, graph, labels)
-    if share == 0.0:
-        return labels
-    finer, reduced, of_piece = _in_pieces(model, labels, graph)
-    sampler = GibbsSampler(finer.evidence(reduced), of_piece, np.random.default_rng(0))
-    spread = np.diag((OUTLIER_FACTOR * model.log.observation_std) ** 2)
-    return without_gaps(finer.of_observations(sampler.displaced(share, spread)))
-
-
-def with_whole_tracklets(model: Model, labels: np.ndarray, poses: np.ndarray) -> tuple[np.ndarray, PoseGraph, float]:
-    """Undo cuts of tracklets that do not pay.
-
-    Args:
-        model: with the tracklets as they were before any cut.
-        labels: (M,) the object of each observation, -1 = of none.
-        poses: (T, 3) W, from which the solver sets out.
-
-    Returns:
-        (M,) labels, the graph solved for them, and their ``partition_score``.
-    """
-    graph = fit(model.log, labels, poses)
-    score = partition_score(model, labels, graph)
-    for k in range(len(model.rivals)):
-        whole = _made_whole(labels, np.flatnonzero(model.tracklet == k), model.log.obs_time)
-        if whole is not None:
-            joined = fit(model.log, whole, graph.poses)
-            joined_score = partition_score(model, whole, joined)
-            if joined_score > score:
-                labels, graph, score = whole, joined, joined_score
-    return labels, graph, score
-
-
-def partition_score(model: Model, labels: np.ndarray, graph: PoseGraph) -> float:
-    """The log posterior of a partition of the observations that may cut tracklets.
-
-    Of many possible cuts one always looks good: a share ``1 - GATE`` of all matches is wrong, and which k of the n
-    observations of a tracklet go elsewhere is one of ``n! / k! (n - k)!`` choices.
-
-    Args:
-        model: with the tracklets as they were before any cut.
-        labels: (M,) the object of each observation; one that was left out, -1, counts as an object of its own.
-        graph: solved for them.
-    """
-    finer, reduced, of_piece = _in_pieces(model, labels, graph)
-    score = log_posterior(finer.evidence(reduced), of_piece)
-    for k in range(len(model.rivals)):
-        counts = np.unique(labels[model.tracklet == k], return_counts=True)[1]
-        if len(counts) > 1:
-            total = int(counts.sum())
-            score += math.log(1 - GATE) - math.log(math.comb(total, int(counts.max())))
-    return score
-
-
-def _in_pieces(model: Model, labels: np.ndarray, graph: PoseGraph) -> tuple[Model, ReducedSystem, np.ndarray]:
-    """Tracklets cut by labels (M,), the graph reduced to them, and the object of each piece (N,)."""
-    piece, of_piece = pieces(model.tracklet, labels)
-    landmarks = mean_landmarks(piece, se2.apply(graph.poses[model.log.obs_time], model.log.obs_xy))
-    together = labels[np.unique(piece, return_index=True)[1]]
-    landmarks[together >= 0] = graph.landmarks[together[together >= 0]]
-    factors = observation_factors(model.log, piece, model.log.observation_std)
-    reduced = reduced_system(replace(graph, landmarks=landmarks, observations=factors))
-    return model._replace(tracklet=piece, rivals=rivals_of(model.log, piece)), reduced, of_piece
-
-
-def _made_whole(labels: np.ndarray, own: np.ndarray, obs_time: np.ndarray) -> np.ndarray | None:
-    """All observations of a tracklet (n,) in the object of most of them; None where they are, or cannot be."""
-    objects, counts = np.unique(labels[own], return_counts=True)
-    home = objects[counts.argmax()]
-    there = np.isin(obs_time[labels == home], obs_time[own[labels[own] != home]])
-    if len(objects) == 1 or home < 0 or there.any():
-        return None
-    whole = labels.copy()
-    whole[own] = home
-    return without_gaps(whole)
+    return finer, state, again[:2] if again[2] > score else (labels, graph)
 
 
 def _descended(model: Model, state: State, tracklet, labels, temperatures, rng) -> tuple[Model, State]:

@@ -8,6 +8,7 @@ from npslam_teach.methods.ekf_slam import ekf_slam
 from npslam_teach.methods.frame_by_frame import frame_by_frame
 from npslam_teach.methods.np_graph import np_graph
 from npslam_teach.methods.open_loop import open_loop
+from npslam_teach.methods.posterior import posterior
 from npslam_teach.methods.robust_slam import robust_slam
 from npslam_teach.types import RobotLog, Snapshot
 
@@ -66,6 +67,14 @@ _ALL = (
         ekf_slam,
         {"color": "#ddd32e", "linestyle": (0, (6, 1)), "marker": "v"},
         "the log's noise is right and no class is confused; clutter far from every object becomes one",
+        in_paper=False,
+    ),
+    Method(
+        "posterior",
+        posterior,
+        {"color": "#000000", "linestyle": (0, (3, 1, 1, 1)), "marker": "P"},
+        "the log's noise is right and white (where residuals show outliers, displaced passes are joined), no class is "
+        "confused, and two observations of a frame are two objects; what is seen once only is taken for clutter",
         in_paper=False,
     ),
 )

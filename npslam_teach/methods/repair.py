@@ -109,3 +109,8 @@ def outlier_share(log: RobotLog, graph: PoseGraph, labels: np.ndarray) -> float:
     chance = 1 - GATE
     share = np.mean(squared > squared_radius(GATE) * typical)
     return float(share - chance) if share > chance + 3 * np.sqrt(chance * GATE / len(used)) else 0.0
+
+
+def without_gaps(labels: np.ndarray) -> np.ndarray:
+    """The same objects (M,), numbered from 0 without gaps; -1 stays."""
+    return in_order_of_sight(labels[:, None], labels >= 0)

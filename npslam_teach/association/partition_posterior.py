@@ -1,0 +1,96 @@
+"""Which tracklets are of one object? The posterior of a partition, the trajectory and the map integrated out.
+
+The measurements enter as one quadratic form in the positions of the N tracklets (``pose_graph.reduced_system``). A
+partition says which of these positions are one and the same. Its posterior is a Gaussian integral away:
+
+    J = A^T Lambda A,  e = A^T eta                            A (2N, 2K): which tracklet is of which object
+    log p = -(c - e^T J^-1 e) / 2 - log det(J / 2 pi) / 2 + sum_i log(prior of object i)
+
+A tracklet is one draw of a Chinese restaurant process: its first observation is drawn, the others stay with it. An
+object costs ``alpha / area`` (objects are uniform over the area), and joining it weighs as many observations as it has
+by then. Where every tracklet is a single observation this is the process itself: ``alpha^K prod (n_i - 1)!``.
+
+``log_posterior`` and ``plain_weights`` say it as it is; ``gibbs`` says the same faster.
+"""
+
+import math
+from itertools import accumulate
+from typing import NamedTuple
+
+import numpy as np
+
+
+class TrackletEvidence(NamedTuple):
+    """What is known of N tracklets, in the order in which they were first seen."""
+
+    constant: float
+    vector: np.ndarray  # (2N,)
+    information: np.ndarray  # (2N, 2N)
+    counts: np.ndarray  # (N,) observations of each
+    rivals: np.ndarray  # (N, N) bool, pairs that cannot be one object: seen in one frame, or of two classes
+    alpha: float  # concentration
+    area: float  # m^2
+
+
+def log_posterior(evidence: TrackletEvidence, labels: np.ndarray) -> float:
+    """The log probability of a partition, up to a constant that does not depend on it; -inf if it joins rivals.
+
+    Args:
+        evidence: of N tracklets.
+        labels: (N,) the object of each, from 0 without gaps.
+    """
+    together = labels[:, None] == labels
+    if (together & evidence.rivals).any():
+        return -math.inf
+    precision, vector = joint_system(evidence, labels)
+    members = [np.flatnonzero(labels == i).tolist() for i in range(labels.max(initial=-1) + 1)]
+    return log_evidence(evidence, precision, vector, np.linalg.solve(precision, vector), members)
+
+
+def log_evidence(evidence: TrackletEvidence, precision, vector, mean, members: list[list[int]]) -> float:
+    """``log_posterior`` of a partition whose joint system is known.
+
+    Args:
+        evidence: of N tracklets.
+        precision: (2K, 2K) J.
+        vector: (2K,) e.
+        mean: (2K,) J^-1 e.
+        members: the tracklets of each object, in the order of first sight.
+    """
+    chi2 = evidence.constant - vector @ mean
+    log_det = np.linalg.slogdet(precision / (2 * np.pi))[1]
+    prior = sum(log_prior(evidence.counts[each].tolist(), evidence) for each in members)
+    return float(-chi2 / 2 - log_det / 2 + prior)
+
+
+def joint_system(evidence: TrackletEvidence, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """J (2K, 2K) and e (2K,): the quadratic form when tracklets of one object stand at one place.
+
+    ``A^T Lambda A`` adds up the blocks of Lambda by the objects of their rows and columns.
+    """
+    count = len(labels)
+    if count == 0:
+        return evidence.information, evidence.vector
+    order = np.argsort(labels, kind="stable")
+    starts = np.flatnonzero(np.diff(labels[order], prepend=-1))
+    by_row = np.add.reduceat(evidence.information.reshape(count, 2, count, 2)[order], starts, axis=0)
+    precision = np.add.reduceat(by_row[:, :, order], starts, axis=2).reshape(2 * len(starts), -1)
+    return precision, np.add.reduceat(evidence.vector.reshape(count, 2)[order], starts, axis=0).ravel()
+
+
+def log_prior(counts: list[int], evidence: TrackletEvidence) -> float:
+    """The log prior of one object whose tracklets have so many observations, in the order of first sight."""
+    return math.log(evidence.alpha / evidence.area) + sum(math.log(before) for before in accumulate(counts[:-1]))
+
+
+def plain_weights(evidence: TrackletEvidence, labels: np.ndarray, tracklet: int) -> np.ndarray:
+    """The log posterior for every place that one tracklet may take, all others kept: (K+1,), the last for a new object.
+
+    Args:
+        evidence: of N tracklets.
+        labels: (N,) from 0 without gaps, also without this tracklet.
+        tracklet: which.
+    """
+    others = np.delete(labels, tracklet).max(initial=-1) + 1
+    places = [np.where(np.arange(len(labels)) == tracklet, place, labels) for place in range(others + 1)]
+    return np.array([log_posterior(evidence, each) for each in places])

@@ -1,0 +1,130 @@
+"""Moves of whole objects: split one in two, make one of two.
+
+Where three tracklets of a chair have been taken for another chair, each alone would have to leave its fellows first,
+against all odds. Moved together they meet no barrier.
+"""
+
+import math
+
+import numpy as np
+
+from npslam_teach.association.gibbs import GibbsSampler, log_normal
+from npslam_teach.association.partition_posterior import log_prior
+
+
+def split_or_merge(sampler: GibbsSampler, temperature: float = 1.0) -> bool:
+    """Propose to split an object in two, or to make one of two, where single tracklets would have to climb.
+
+    Two tracklets are drawn. If they share an object it is split between them, the others in random order each to
+    the one or the other by its weight; if not, their objects are merged, and the probability of the way back is
+    that of the same split (Jain and Neal 2004, with sequential allocation: Dahl, "Sequentially-allocated
+    merge-split sampler", 2005). Returns whether it was accepted.
+    """
+    if len(sampler.slot) < 2:
+        return False
+    anchors = sampler.rng.choice(len(sampler.slot), 2, replace=False)
+    if sampler.evidence.rivals[tuple(anchors)]:
+        return False
+    both = [*{*sampler.members[sampler.slot[anchors[0]]], *sampler.members[sampler.slot[anchors[1]]]}]
+    together = sampler.slot[anchors[0]] == sampler.slot[anchors[1]]
+    if not together and sampler.evidence.rivals[np.ix_(both, both)].any():
+        return False
+    before = sampler.saved()
+    others = sampler.rng.permutation(sorted(set(both) - set(anchors.tolist())))
+    log_way_back = (_split if together else _merge)(sampler, anchors, others, temperature)
+    log_ratio = (sampler.log_posterior - before[-1]) / temperature + log_way_back
+    if math.log(sampler.rng.random()) < log_ratio:
+        sampler.refresh()
+        return True
+    sampler.restore(before)
+    return False
+
+
+def _split(sampler: GibbsSampler, anchors: np.ndarray, others: np.ndarray, temperature: float) -> float:
+    """Part an object between two anchors; minus the log probability of this very way, for the way back has one."""
+    for tracklet in [*others, *anchors]:
+        sampler.split_off(tracklet)
+    return -sum(_seat(sampler, tracklet, anchors, None, temperature) for tracklet in others)
+
+
+def _merge(sampler: GibbsSampler, anchors: np.ndarray, others: np.ndarray, temperature: float) -> float:
+    """Make one object of two; the log probability that a split would part it as it was."""
+    at_first = {tracklet: sampler.slot[tracklet] == sampler.slot[anchors[0]] for tracklet in others}
+    for tracklet in [*others, *anchors]:
+        sampler.split_off(tracklet)
+    apart = sampler.saved()
+    log_way_back = sum(_seat(sampler, tracklet, anchors, at_first[tracklet], temperature) for tracklet in others)
+    sampler.restore(apart)
+    for tracklet in [*others, anchors[1]]:
+        slot = sampler.slot[anchors[0]]
+        sampler.join(tracklet, slot, sampler.change_by(tracklet, slot))
+    return log_way_back
+
+
+def _seat(sampler: GibbsSampler, tracklet: int, anchors: np.ndarray, first: bool | None, temperature: float) -> float:
+    """Put a lone tracklet to the first of two anchors, to the other, or by chance (None); the log probability."""
+    slots = sampler.slot[anchors]
+    change = np.array([sampler.change_by(tracklet, slot) for slot in slots])
+    scaled = change / temperature
+    log_share = scaled - np.logaddexp(*scaled)
+    k = int(sampler.rng.random() >= math.exp(log_share[0])) if first is None else int(not first)
+    sampler.join(tracklet, slots[k], change[k])
+    return float(log_share[k])
+
+
+def merge_objects(sampler: GibbsSampler) -> None:
+    """Merge the two objects whose merger raises the log posterior most, as long as there are such."""
+    sampler.refresh()
+    while len(sampler.members) > 1:
+        change = _merger_changes(sampler)
+        gone, stays = np.unravel_index(change.argmax(), change.shape)
+        if change[gone, stays] <= 0:
+            return
+        sampler.merge(int(gone), int(stays))
+        sampler.log_posterior += float(change[gone, stays])
+        sampler.refresh()
+
+
+def displaced(sampler: GibbsSampler, share: float, spread: np.ndarray) -> np.ndarray:
+    """The labels (N,) when small objects turn out to be larger ones, seen in a wrong place.
+
+    A share of the tracklets is displaced: by an error of the pose or of the detector that lasts as long as they do,
+    with a covariance far above that of single observations. An object joins the one for which this is most probable
+    and more so than that it is there. It does not pull on the map.
+
+    Args:
+        sampler: with N tracklets; its partition stays.
+        share: of the tracklets that are displaced.
+        spread: (2, 2) m^2, by how much.
+    """
+    sampler.refresh()
+    labels, change = sampler.slot.copy(), _merger_changes(sampler, spread)
+    change = np.maximum(change, change.T)
+    for i in sorted(range(len(sampler.members)), key=lambda i: sampler.evidence.counts[sampler.members[i]].sum()):
+        gain = change[i] + math.log(share) * len(sampler.members[i])
+        if len(gain) and gain.max() > 0:
+            labels[sampler.members[i]] = labels[sampler.members[int(gain.argmax())][0]]
+            change[:, i] = -np.inf
+    return np.unique(labels, return_inverse=True)[1]
+
+
+def _merger_changes(sampler: GibbsSampler, spread: np.ndarray | float = 0.0) -> np.ndarray:
+    """How the log posterior changes when objects i and j become one, (K, K); -inf for rivals, and for i >= j."""
+    count = len(sampler.members)
+    member_of = (sampler.slot[:, None] == np.arange(count)).astype(float)
+    rivals = member_of.T @ sampler.evidence.rivals @ member_of > 0
+    blocks, mean = sampler.cov.reshape(count, 2, count, 2).swapaxes(1, 2), sampler.mean.reshape(-1, 2)
+    own = blocks[np.arange(count), np.arange(count)]
+    cov = own[:, None] + own - blocks - blocks.swapaxes(2, 3)
+    cov = cov + spread
+    cov[np.arange(count), np.arange(count)] = np.eye(2)
+    change = np.where(rivals | np.eye(count, dtype=bool), -np.inf, log_normal(mean[:, None] - mean, cov))
+    prior = [log_prior(sampler.evidence.counts[each].tolist(), sampler.evidence) for each in sampler.members]
+    # A merger can gain no more than this by the prior.
+    most = 10.0 * len(sampler.slot)
+    for i, j in np.argwhere(np.triu(change > -most)):
+        both = sorted(sampler.members[i] + sampler.members[j])
+        joint = log_prior(sampler.evidence.counts[both].tolist(), sampler.evidence)
+        change[i, j] += joint - prior[i] - prior[j]
+    change[np.tril_indices(count)] = -np.inf
+    return change

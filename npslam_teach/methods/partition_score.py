@@ -1,0 +1,97 @@
+"""Does it pay? Partitions that cut tracklets, or that take one object for another in a wrong place, are compared."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from npslam_teach import se2
+from npslam_teach.association.gibbs import GibbsSampler
+from npslam_teach.association.partition_posterior import log_posterior
+from npslam_teach.association.split_merge import displaced
+from npslam_teach.methods.annealing import Model, rivals_of
+from npslam_teach.methods.gating import GATE
+from npslam_teach.methods.repair import outlier_share, pieces, without_gaps
+from npslam_teach.pose_graph import fit, mean_landmarks, observation_factors
+from npslam_teach.pose_graph.reduced_system import ReducedSystem, reduced_system
+from npslam_teach.types import PoseGraph
+
+OUTLIER_FACTOR = 5.0  # how many standard deviations of an observation an outlier is off, more or less
+
+
+def with_whole_tracklets(model: Model, labels: np.ndarray, poses: np.ndarray) -> tuple[np.ndarray, PoseGraph, float]:
+    """Undo cuts of tracklets that do not pay.
+
+    Args:
+        model: with the tracklets as they were before any cut.
+        labels: (M,) the object of each observation, -1 = of none.
+        poses: (T, 3) W, from which the solver sets out.
+
+    Returns:
+        (M,) labels, the graph solved for them, and their ``partition_score``.
+    """
+    graph = fit(model.log, labels, poses)
+    score = partition_score(model, labels, graph)
+    for k in range(len(model.rivals)):
+        whole = _made_whole(labels, np.flatnonzero(model.tracklet == k), model.log.obs_time)
+        if whole is not None:
+            joined = fit(model.log, whole, graph.poses)
+            joined_score = partition_score(model, whole, joined)
+            if joined_score > score:
+                labels, graph, score = whole, joined, joined_score
+    return labels, graph, score
+
+
+def partition_score(model: Model, labels: np.ndarray, graph: PoseGraph) -> float:
+    """The log posterior of a partition of the observations that may cut tracklets.
+
+    Of many possible cuts one always looks good: a share ``1 - GATE`` of all matches is wrong, and which k of the n
+    observations of a tracklet go elsewhere is one of ``n! / k! (n - k)!`` choices.
+
+    Args:
+        model: with the tracklets as they were before any cut.
+        labels: (M,) the object of each observation; one that was left out, -1, counts as an object of its own.
+        graph: solved for them.
+    """
+    finer, reduced, of_piece = _in_pieces(model, labels, graph)
+    score = log_posterior(finer.evidence(reduced), of_piece)
+    for k in range(len(model.rivals)):
+        counts = np.unique(labels[model.tracklet == k], return_counts=True)[1]
+        if len(counts) > 1:
+            total = int(counts.sum())
+            score += math.log(1 - GATE) - math.log(math.comb(total, int(counts.max())))
+    return score
+
+
+def without_displaced(model: Model, labels: np.ndarray, graph: PoseGraph) -> np.ndarray:
+    """Labels (M,) in which objects that are others in a wrong place are joined to them, where the log has outliers."""
+    share = outlier_share(model.log, graph, labels)
+    if share == 0.0:
+        return labels
+    finer, reduced, of_piece = _in_pieces(model, labels, graph)
+    sampler = GibbsSampler(finer.evidence(reduced), of_piece, np.random.default_rng(0))
+    spread = np.diag((OUTLIER_FACTOR * model.log.observation_std) ** 2)
+    return without_gaps(finer.of_observations(displaced(sampler, share, spread)))
+
+
+def _in_pieces(model: Model, labels: np.ndarray, graph: PoseGraph) -> tuple[Model, ReducedSystem, np.ndarray]:
+    """Tracklets cut by labels (M,), the graph reduced to them, and the object of each piece (N,)."""
+    piece, of_piece = pieces(model.tracklet, labels)
+    landmarks = mean_landmarks(piece, se2.apply(graph.poses[model.log.obs_time], model.log.obs_xy))
+    together = labels[np.unique(piece, return_index=True)[1]]
+    landmarks[together >= 0] = graph.landmarks[together[together >= 0]]
+    factors = observation_factors(model.log, piece, model.log.observation_std)
+    reduced = reduced_system(replace(graph, landmarks=landmarks, observations=factors))
+    return model._replace(tracklet=piece, rivals=rivals_of(model.log, piece)), reduced, of_piece
+
+
+def _made_whole(labels: np.ndarray, own: np.ndarray, obs_time: np.ndarray) -> np.ndarray | None:
+    """All observations of a tracklet (n,) in the object of most of them; None where they are, or cannot be."""
+    objects, counts = np.unique(labels[own], return_counts=True)
+    home = objects[counts.argmax()]
+    there = np.isin(obs_time[labels == home], obs_time[own[labels[own] != home]])
+    if len(objects) == 1 or home < 0 or there.any():
+        return None
+    whole = labels.copy()
+    whole[own] = home
+    return without_gaps(whole)

@@ -88,9 +88,10 @@ def plain_weights(evidence: TrackletEvidence, labels: np.ndarray, tracklet: int)
 
     Args:
         evidence: of N tracklets.
-        labels: (N,) from 0 without gaps, also without this tracklet.
+        labels: (N,); the K objects of the others count in the order of their labels.
         tracklet: which.
     """
-    others = np.delete(labels, tracklet).max(initial=-1) + 1
-    places = [np.where(np.arange(len(labels)) == tracklet, place, labels) for place in range(others + 1)]
-    return np.array([log_posterior(evidence, each) for each in places])
+    objects, of_others = np.unique(np.delete(labels, tracklet), return_inverse=True)
+    return np.array(
+        [log_posterior(evidence, np.insert(of_others, tracklet, place)) for place in range(len(objects) + 1)]
+    )

@@ -19,7 +19,7 @@ from npslam_teach import se2
 from npslam_teach.association import require_alpha, same_partition
 from npslam_teach.methods.annealing import COLD, TEMPERATURES, Model, State, anneal, rivals_of, settled
 from npslam_teach.methods.partition_score import with_whole_tracklets, without_displaced
-from npslam_teach.methods.repair import cut_in_two, pieces, reassigned, without_gaps
+from npslam_teach.methods.repair import confirmed, cut_in_two, pieces, reassigned
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
 from npslam_teach.methods.tracklets import tied_both_ways
 from npslam_teach.pose_graph import fit, mean_landmarks, observation_factors, with_associations
@@ -132,12 +132,6 @@ def repaired(model: Model, state: State, rng: np.random.Generator) -> tuple[Mode
     return model, state
 
 
-def confirmed(labels: np.ndarray) -> np.ndarray:
-    """Without objects (M,) that were seen a single time: what is never seen again may as well be clutter."""
-    alone = (labels >= 0) & (np.bincount(labels + 1)[labels + 1] == 1)
-    return without_gaps(np.where(alone, -1, labels))
-
-
 def best_state(log: RobotLog, alpha: float, area: float | None, starts: int, seed: int) -> tuple[Model, State]:
     """The most probable partition that was found, with the tracklets in the pieces of which it is made.
 
@@ -160,7 +154,7 @@ def _search(log: RobotLog, alpha: float, area: float | None, starts: int, seed: 
         yield labels, fit(log, labels, state.graph.poses)
     if log.num_observations > FEW:
         _, _, (labels, graph) = _refined(model, state, np.random.default_rng([seed, starts]))
-        labels = confirmed(without_displaced(model, labels, graph))
+        labels = confirmed(log, graph, without_displaced(model, labels, graph), model.tracklet)
         yield labels, fit(log, labels, graph.poses)
 
 

@@ -111,6 +111,37 @@ def outlier_share(log: RobotLog, graph: PoseGraph, labels: np.ndarray) -> float:
     return float(share - chance) if share > chance + 3 * np.sqrt(chance * GATE / len(used)) else 0.0
 
 
+def confirmed(log: RobotLog, graph: PoseGraph, labels: np.ndarray, tracklet: np.ndarray) -> np.ndarray:
+    """Without objects of which fewer than two observations were ever tied or clearly new.
+
+    An observation that was left out of the tracklets is too near to something in view to be new, and too far from it to
+    be tied. It does not make an object: it goes to the nearest that is free in its frame and within the gate, or is
+    clutter. So does what was seen a single time.
+
+    Args:
+        log: what was measured.
+        graph: one landmark for every object of a partition that these labels coarsen or keep.
+        labels: (M,) the object of each observation, -1 = of none.
+        tracklet: (M,) the tracklet of each observation, -1 = left out.
+
+    Returns:
+        (M,) labels from 0 without gaps.
+    """
+    tied = np.bincount(labels[(tracklet >= 0) & (labels >= 0)], minlength=labels.max(initial=-1) + 1)
+    kept = np.flatnonzero(tied >= 2)
+    found = np.where(np.isin(labels, kept), labels, -1)
+    places = se2.apply(graph.poses[log.obs_time], log.obs_xy)
+    for k in np.flatnonzero(found < 0):
+        alike = np.isin(kept, found[(log.obs_class == log.obs_class[k]) & (found >= 0)])
+        free = kept[alike & ~np.isin(kept, found[log.obs_time == log.obs_time[k]])]
+        if len(free):
+            means = np.array([places[found == i].mean(axis=0) for i in free])
+            off = (se2.apply_inverse(graph.poses[log.obs_time[k]], means) - log.obs_xy[k]) / log.observation_std
+            squared = (off**2).sum(axis=1)
+            found[k] = free[squared.argmin()] if squared.min() < squared_radius(REPAIR_GATE) else -1
+    return without_gaps(found)
+
+
 def without_gaps(labels: np.ndarray) -> np.ndarray:
     """The same objects (M,), numbered from 0 without gaps; -1 stays."""
     return in_order_of_sight(labels[:, None], labels >= 0)

@@ -1,0 +1,194 @@
+"""The posterior over partitions: exact on small cases, the same by plain sums, by rank-two moves and by enumeration."""
+
+import math
+
+import numpy as np
+import pytest
+
+from npslam_teach.association import all_partitions
+from npslam_teach.association.gibbs import GibbsSampler
+from npslam_teach.association.partition_posterior import (
+    TrackletEvidence,
+    joint_system,
+    log_posterior,
+    log_prior,
+    plain_weights,
+)
+from npslam_teach.association.split_merge import merge_objects, split_or_merge
+
+
+def evidence_of(rng, count=6, largest=9) -> TrackletEvidence:
+    """Tracklets that lie near a few places, tied to each other by a random joint information."""
+    root = rng.normal(size=(2 * count, 2 * count))
+    information = root @ root.T / 4 + np.eye(2 * count)
+    places = rng.normal(0, 2, (3, 2))[rng.integers(0, 3, count)] + rng.normal(0, 0.3, (count, 2))
+    rivals = np.triu(rng.random((count, count)) < 0.15, 1)
+    xy = places.ravel()
+    constant = float(xy @ information @ xy)
+    counts = rng.integers(1, largest, count)
+    return TrackletEvidence(
+        constant, information @ xy, information, counts, rivals | rivals.T, rng.uniform(0.5, 2), rng.uniform(5, 50)
+    )
+
+
+def every_partition(count: int) -> list[np.ndarray]:
+    return [np.array(each) for each in all_partitions([0] * count)]
+
+
+def probabilities(evidence) -> dict[tuple, float]:
+    """The exact posterior, by enumeration."""
+    partitions = every_partition(len(evidence.counts))
+    log_p = np.array([log_posterior(evidence, each) for each in partitions])
+    p = np.exp(log_p - log_p.max())
+    return {tuple(each.tolist()): share for each, share in zip(partitions, (p / p.sum()).tolist(), strict=True)}
+
+
+def numbered(labels: np.ndarray) -> tuple:
+    """In order of appearance, as the enumeration does."""
+    first = {}
+    return tuple(first.setdefault(label, len(first)) for label in labels.tolist())
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_joint_system_is_a_product_with_the_assignment(seed):
+    rng = np.random.default_rng(seed)
+    evidence = evidence_of(rng)
+    labels = np.unique(rng.integers(0, 4, 6), return_inverse=True)[1]
+    assignment = np.kron(labels[:, None] == np.arange(labels.max() + 1), np.eye(2))
+    precision, vector = joint_system(evidence, labels)
+    np.testing.assert_allclose(precision, assignment.T @ evidence.information @ assignment, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(vector, assignment.T @ evidence.vector, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_two_tracklets_are_one_as_the_density_of_their_difference_says(seed):
+    """By hand: N(l_1 - l_2; 0, C) and the prior ``alpha / area`` for another object, the first's count for the same."""
+    rng = np.random.default_rng(seed)
+    evidence = evidence_of(rng, 2)._replace(rivals=np.zeros((2, 2), bool))
+    cov = np.linalg.inv(evidence.information)
+    mean = (cov @ evidence.vector).reshape(2, 2)
+    spread = cov[:2, :2] + cov[2:, 2:] - cov[:2, 2:] - cov[2:, :2]
+    d = mean[0] - mean[1]
+    density = math.exp(-d @ np.linalg.solve(spread, d) / 2) / (2 * math.pi * math.sqrt(np.linalg.det(spread)))
+    odds = density * evidence.counts[0] / (evidence.alpha / evidence.area)
+    difference = log_posterior(evidence, np.array([0, 0])) - log_posterior(evidence, np.array([0, 1]))
+    assert difference == pytest.approx(math.log(odds), rel=1e-9)
+
+
+def test_of_single_observations_the_prior_is_the_chinese_restaurant():
+    evidence = evidence_of(np.random.default_rng(0))._replace(alpha=0.7, area=3.0)
+    for count in range(1, 8):
+        assert log_prior([1] * count, evidence) == pytest.approx(math.log(0.7 / 3.0) + math.lgamma(count))
+
+
+def test_the_prior_of_a_whole_does_not_depend_on_how_single_observations_come():
+    evidence = evidence_of(np.random.default_rng(0))
+    assert log_prior([5, 1, 1], evidence) == pytest.approx(log_prior([5], evidence) + math.log(5) + math.log(6))
+
+
+def test_rivals_are_never_one_object():
+    evidence = evidence_of(np.random.default_rng(1), 3)._replace(
+        rivals=np.eye(3, k=1, dtype=bool) | np.eye(3, k=-1, dtype=bool)
+    )
+    assert log_posterior(evidence, np.array([0, 0, 1])) == -math.inf
+    sampler = GibbsSampler(evidence, np.arange(3), np.random.default_rng(0))
+    for _ in range(200):
+        sampler.sweep(100.0)
+        split_or_merge(sampler, 100.0)
+        assert numbered(sampler.labels) in {(0, 1, 2), (0, 1, 0)}
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_moves_of_rank_two_keep_what_a_fresh_calculation_gives(seed):
+    rng = np.random.default_rng(seed)
+    evidence = evidence_of(rng, 8)
+    sampler = GibbsSampler(evidence, np.arange(8), rng)
+    for _ in range(5):
+        for tracklet in rng.permutation(8):
+            sampler.split_off(tracklet)
+            slots, change = sampler.weights(tracklet)
+            plain = plain_weights(evidence, sampler.labels, tracklet)
+            relative = np.sort(plain[np.isfinite(plain)] - plain[-1])
+            # What is sixty below the best is not worth a look, and left out.
+            np.testing.assert_allclose(np.sort(change)[-2:], relative[-2:], atol=1e-7)
+            assert set(np.round(change, 5)) <= set(np.round(relative, 5))
+            sampler.join(tracklet, *sampler.draw(slots, change, 3.0))
+            assert sampler.log_posterior == pytest.approx(log_posterior(evidence, sampler.labels), abs=1e-7)
+            precision, vector = joint_system(evidence, sampler.labels)
+            mean = np.linalg.solve(precision, vector).reshape(-1, 2)[sampler.labels]
+            np.testing.assert_allclose(sampler.positions, mean, atol=1e-7)
+
+
+@pytest.mark.parametrize("moves", ["gibbs", "split-merge", "both"])
+def test_partitions_come_as_often_as_they_are_probable(moves):
+    """Within four standard errors for all that are not rare: chains of each kind of move alone, and of both."""
+    rng = np.random.default_rng(7)
+    evidence = evidence_of(rng, 4)
+    exact, sampler = probabilities(evidence), GibbsSampler(evidence, np.zeros(4, dtype=int), rng)
+    if evidence.rivals.any():
+        sampler = GibbsSampler(evidence, np.arange(4), rng)
+    number, often = 3_000, dict.fromkeys(exact, 0)
+    for _ in range(number):
+        if moves != "split-merge":
+            sampler.sweep()
+        if moves != "gibbs":
+            split_or_merge(sampler)
+        often[numbered(sampler.labels)] += 1
+    distance = sum(abs(often[each] / number - share) for each, share in exact.items()) / 2
+    assert distance < (0.08 if moves == "split-merge" else 0.04)
+
+
+@pytest.mark.slow
+def test_total_variation_on_random_cases():
+    """What is left of the distance between sampled and exact frequencies is what independent samples would leave."""
+    excess = []
+    for seed in range(30):
+        rng = np.random.default_rng(1000 + seed)
+        evidence = evidence_of(rng, int(rng.integers(2, 6)))
+        exact, number, often = probabilities(evidence), 600, {}
+        sampler = GibbsSampler(evidence, np.arange(len(evidence.counts)), rng)
+        for _ in range(number):
+            sampler.sweep()
+            split_or_merge(sampler)
+            key = numbered(sampler.labels)
+            often[key] = often.get(key, 0) + 1
+        distance = sum(abs(often.get(each, 0) / number - share) for each, share in exact.items()) / 2
+        chance = sum(math.sqrt(share * (1 - share) / (2 * math.pi * number)) for share in exact.values())
+        assert distance <= 0.02 + 2 * chance, (seed, distance, chance)
+        excess.append(distance - chance)
+    assert np.mean(excess) <= 0.01
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_names_and_order_of_tracklets_of_one_size_do_not_matter(seed):
+    rng = np.random.default_rng(seed)
+    evidence = evidence_of(rng, 6, 2)
+    order = rng.permutation(6)
+    both = (2 * order[:, None] + [0, 1]).ravel()
+    other = evidence._replace(
+        vector=evidence.vector[both],
+        information=evidence.information[np.ix_(both, both)],
+        rivals=evidence.rivals[np.ix_(order, order)],
+    )
+    for labels in every_partition(6)[::17]:
+        assert log_posterior(other, labels[order]) == pytest.approx(log_posterior(evidence, labels), abs=1e-9)
+        assert log_posterior(evidence, labels.max() - labels) == pytest.approx(
+            log_posterior(evidence, labels), abs=1e-9
+        )
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_mergers_end_where_no_merger_pays(seed):
+    rng = np.random.default_rng(seed)
+    evidence = evidence_of(rng, 7)
+    sampler = GibbsSampler(evidence, np.arange(7), rng)
+    before = sampler.log_posterior
+    merge_objects(sampler)
+    labels = sampler.labels
+    here = log_posterior(evidence, labels)
+    assert here >= before
+    assert sampler.log_posterior == pytest.approx(here, abs=1e-8)
+    for i in range(labels.max() + 1):
+        for j in range(i):
+            merged = np.unique(np.where(labels == i, j, labels), return_inverse=True)[1]
+            assert log_posterior(evidence, merged) <= here + 1e-8

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from npslam_teach.methods.ekf import new_filter, predict, squared_distances, update, with_new_object
+from npslam_teach.methods.block_filter import Belief
 from npslam_teach.methods.gating import GATE, NEW, NEW_GATE, UNASSIGNED, assign, frames_of, squared_gates
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
 from npslam_teach.pose_graph import observation_factors, odometry_factors
@@ -128,12 +128,12 @@ def filter_steps(
     odometry_std, observation_std = _noise(log, odometry_std, observation_std)
     bounds, frames = squared_gates(gate, new_gate), frames_of(log)
     known_labels = None if labels is None else _in_order_of_sight(labels, frames)
-    ekf, object_class = new_filter(), np.zeros(0, dtype=int)
+    belief, object_class = Belief.at_origin(), np.zeros(0, dtype=int)
     for time, observations in enumerate(frames):
         if time > 0:
-            predict(ekf, log.odometry[time - 1], odometry_std)
-        prior, seen_class = (ekf.x.copy(), ekf.P.copy()), log.obs_class[observations]
-        distance = squared_distances(*prior, log.obs_xy[observations], observation_std)
+            belief = belief.predicted(log.odometry[time - 1], odometry_std)
+        prior, seen_class = belief, log.obs_class[observations]
+        distance = prior.squared_distances(log.obs_xy[observations], observation_std)
         if known_labels is None:
             distance[seen_class[:, None] != object_class] = np.inf
             decision = assign(distance, *bounds)
@@ -141,21 +141,20 @@ def filter_steps(
             decision = np.where(known_labels[observations] < len(object_class), known_labels[observations], NEW)
         is_new = decision == NEW
         numbered = np.where(is_new, len(object_class) + np.cumsum(is_new) - 1, decision)
-        ekf, nis = _absorb(ekf, decision, log.obs_xy[observations], observation_std)
-        posterior = ekf.x.copy(), ekf.P.copy()
-        yield FilterStep(time, observations, *prior, object_class, distance, decision, numbered, nis, *posterior)
+        belief, nis = _absorb(prior, decision, log.obs_xy[observations], observation_std)
+        before, after = (prior.mean, prior.cov), (belief.mean, belief.cov)
+        yield FilterStep(time, observations, *before, object_class, distance, decision, numbered, nis, *after)
         object_class = np.append(object_class, seen_class[is_new])
 
 
-def _absorb(ekf, decision: np.ndarray, xy: np.ndarray, observation_std: np.ndarray):
-    """The filter after the matches and then the new objects of a frame; NIS of the matches, NaN without any."""
+def _absorb(belief: Belief, decision: np.ndarray, xy: np.ndarray, observation_std: np.ndarray) -> tuple[Belief, float]:
+    """The belief after the matches and then the new objects of a frame; NIS of the matches, NaN without any."""
     matched, nis = decision >= 0, math.nan
     if matched.any():
-        update(ekf, decision[matched], xy[matched], observation_std)
-        nis = float(ekf.y @ ekf.SI @ ekf.y)
+        belief, nis = belief.updated(decision[matched], xy[matched], observation_std)
     for k in np.flatnonzero(decision == NEW):
-        ekf = with_new_object(ekf, xy[k], observation_std)
-    return ekf, nis
+        belief = belief.with_new_object(xy[k], observation_std)
+    return belief, nis
 
 
 def _noise(log: RobotLog, odometry_std, observation_std) -> tuple[np.ndarray, np.ndarray]:

@@ -17,6 +17,8 @@ from npslam_teach.pose_graph.factorization import SINGULAR
 from npslam_teach.pose_graph.linearization import linearize
 from npslam_teach.types import PoseGraph
 
+WIDEST_BAND = 5  # of a chain of poses: three unknowns each, tied to the next
+
 
 @dataclass(frozen=True, eq=False)
 class ReducedSystem:
@@ -53,18 +55,13 @@ def reduced_system(graph: PoseGraph) -> ReducedSystem:
         ValueError: something else is fixed.
         numpy.linalg.LinAlgError: the poses are not determined by the landmarks and the odometry.
     """
-    from scipy.sparse.linalg import splu
-
     if graph.fixed_poses.tolist() != [0] or len(graph.fixed_landmarks):
         raise ValueError("graph: expected pose 0 to be fixed and nothing else")
     (h, b, chi2), num_poses = linearize(graph), 3 * (len(graph.poses) - 1)
     of_poses, of_both = h[:num_poses, :num_poses], h[:num_poses, num_poses:]
     rhs = np.column_stack([b[:num_poses], of_both.toarray()])
     if num_poses:
-        try:
-            rhs = splu(of_poses.tocsc(), **SYMMETRIC).solve(rhs)
-        except RuntimeError:  # "Factor is exactly singular"
-            raise np.linalg.LinAlgError(SINGULAR) from None
+        rhs = _solve(of_poses, rhs)
     step, response = -rhs[:, 0], -rhs[:, 1:]
     information = h[num_poses:, num_poses:].toarray() + of_both.T @ response
     information = (information + information.T) / 2
@@ -73,3 +70,24 @@ def reduced_system(graph: PoseGraph) -> ReducedSystem:
     vector = information @ xy - gradient
     constant = chi2 + b[:num_poses] @ step + xy @ (information @ xy) - 2 * xy @ gradient
     return ReducedSystem(float(constant), vector, information, graph, step, response)
+
+
+def _solve(matrix, rhs: np.ndarray) -> np.ndarray:
+    """Solve a sparse positive definite system for many right-hand sides (n, k).
+
+    Poses along a chain of odometry make a narrow band, for which there is a much faster routine.
+    """
+    from scipy.linalg import LinAlgError, solveh_banded
+    from scipy.sparse.linalg import splu
+
+    entries = matrix.tocoo()
+    offsets = entries.col - entries.row
+    try:
+        if np.abs(offsets).max() > WIDEST_BAND:
+            return splu(matrix.tocsc(), **SYMMETRIC).solve(rhs)
+        upper = offsets >= 0
+        band = np.zeros((WIDEST_BAND + 1, matrix.shape[0]))
+        band[WIDEST_BAND - offsets[upper], entries.col[upper]] = entries.data[upper]
+        return solveh_banded(band, rhs)
+    except (RuntimeError, LinAlgError):  # "Factor is exactly singular", "not positive definite"
+        raise np.linalg.LinAlgError(SINGULAR) from None

@@ -152,6 +152,10 @@ def _add_solve(subparsers) -> None:
     _add_settings(solve)
     text = "np-graph: visit observations in so many orders, keep the lowest objective (default 1)"
     solve.add_argument("--restarts", type=count, default=1, metavar="N", help=text)
+    text = "posterior: at most so many searches from the beginning (default 6)"
+    solve.add_argument("--starts", type=count, metavar="N", help=text)
+    text = "posterior: so many samples as well, at least 16: how probable is each number of objects?"
+    solve.add_argument("--samples", type=count, metavar="N", help=text)
     solve.add_argument("--filter-only", action="store_true", help="ekf: the raw filter, not smoothed at the end")
     solve.add_argument("--noise", type=number, default=0.0, metavar="S", help="noise to add first; 1 is the paper's")
     solve.add_argument("--seed", type=index, default=0, metavar="K", help="of that noise (default 0)")

@@ -5,6 +5,7 @@ from dataclasses import asdict
 
 import numpy as np
 
+from npslam_teach.cli.posterior_report import samples_lines
 from npslam_teach.evaluation import map_quality
 from npslam_teach.experiments.runs import Run, run_summary
 from npslam_teach.methods import METHODS
@@ -43,6 +44,7 @@ def solve_text(result: dict, truth: GroundTruth | None) -> str:
         f"score                 {result['score']:.2f} (objective of a refit at the log's own noise; lower is better)",
         f"seconds               {result['seconds']:.3f}",
         *_restart_lines(result["restarts"]),
+        *(samples_lines(result["posterior"]) if "posterior" in result else []),
     ]
     if truth is None:
         return "\n".join([*lines, *_quality_lines(result["quality"]), "the file holds no truth to compare with"])

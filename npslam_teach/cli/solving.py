@@ -8,13 +8,14 @@ import numpy as np
 from npslam_teach import experiments
 from npslam_teach.association import PAPER_ALPHA, same_partition
 from npslam_teach.evaluation import refitted_objective
-from npslam_teach.methods import METHODS, paper_settings, settings_for
+from npslam_teach.methods import METHODS, paper_settings, sample_posterior, settings_for
 from npslam_teach.methods.snapshots import snapshot
 from npslam_teach.pose_graph import fit
 from npslam_teach.system.progress import track
 from npslam_teach.types import RobotLog
 
-GIVEN = "alpha threshold kernel_std odometry_std observation_std area order iterations gate exclusive".split()
+LEAST_SAMPLES = 16  # four for each chain: fewer tell nothing of how they agree
+GIVEN = "alpha threshold kernel_std odometry_std observation_std area order iterations gate exclusive starts".split()
 
 
 def settings_name(options) -> str:
@@ -36,10 +37,24 @@ def require_options(options) -> None:
     for name in GIVEN:
         if getattr(options, name) is not None:
             _require(METHODS[options.method].settings, options.method, name)
+    if options.samples is not None and options.method != "posterior":
+        raise ValueError(f"--samples: expected the method posterior, got {options.method}")
+    if options.samples is not None and options.samples < LEAST_SAMPLES:
+        raise ValueError(f"--samples: expected at least {LEAST_SAMPLES}, got {options.samples}")
     if options.restarts > 1:
         _require(METHODS[options.method].settings, options.method, "order")
         if options.order is not None:
             raise ValueError("--restarts: expected no --order beside it, because every restart has an order of its own")
+
+
+def sampled(options, log: RobotLog, settings: dict) -> dict:
+    """The posterior, sampled around the best partition: ``posterior_report.samples_result``."""
+    from npslam_teach.cli.posterior_report import samples_result
+    from npslam_teach.methods.posterior import with_noise
+
+    log = with_noise(log, settings.get("odometry_std"), settings.get("observation_std"))
+    known = {name: settings[name] for name in ("alpha", "area", "starts") if name in settings}
+    return samples_result(sample_posterior(log, options.samples, **known))
 
 
 def score(options, log: RobotLog, found: experiments.Run) -> float:

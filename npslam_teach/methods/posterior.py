@@ -10,6 +10,7 @@ apart, and how far drift may have carried them apart. It has no kernel and no th
 4. ``repair``: observations looked at again with the whole map at hand, and those that were left out.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -17,7 +18,7 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.association import require_alpha, same_partition
-from npslam_teach.methods.annealing import COLD, TEMPERATURES, Model, State, anneal, rivals_of, settled
+from npslam_teach.methods.annealing import COLD, TEMPERATURES, Model, State, anneal, rivals_of, settled, solved
 from npslam_teach.methods.partition_score import with_whole_tracklets, without_displaced
 from npslam_teach.methods.repair import confirmed, cut_in_two, pieces, reassigned
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
@@ -28,6 +29,7 @@ from npslam_teach.types import PoseGraph, RobotLog, Snapshot
 
 FEW = 64  # observations, up to which each is its own tracklet
 WARM, REPAIR_ROUNDS = (1.0, 0.3, 0.1), 3
+MARGIN = 3.0  # of the log posterior: what a repair must gain; less is within the error of linear models
 SAME = 1e-3  # of the log posterior: two starts have found the same
 
 
@@ -66,9 +68,8 @@ def posterior(
     if log.num_observations == 0:
         return
     # The order of the lines in a file says nothing; the same log gives the same answer in any order.
-    order = np.lexsort((log.obs_xy[:, 1], log.obs_xy[:, 0], log.obs_time))
-    back = np.argsort(order)
-    for iteration, (labels, graph) in enumerate(_search(_reordered(log, order), alpha, area, int(starts), seed), 1):
+    ordered, back = in_time(log)
+    for iteration, (labels, graph) in enumerate(_search(ordered, alpha, area, int(starts), seed), 1):
         graph = with_associations(log, graph, labels[back], graph.landmarks, log.observation_std)
         yield snapshot(log, iteration, labels[back], graph)
 
@@ -141,8 +142,11 @@ def best_state(log: RobotLog, alpha: float, area: float | None, starts: int, see
     *_, state = track(best_of_starts(model, graph, starts, (seed,)), starts, "posterior", "searches")
     if log.num_observations <= FEW:
         return model, state
-    model, state, _ = _refined(model, state, np.random.default_rng([seed, starts]))
-    return model, state
+    labels, graph = _refined(model, state, np.random.default_rng([seed, starts]))
+    piece, of_piece = pieces(model.tracklet, labels)
+    model, graph = _tied_anew(model, graph, piece)
+    graph, chi2 = solved(model, graph, of_piece, steps=20)
+    return model, State(1.0, of_piece, graph, math.nan, chi2, chi2)
 
 
 def _search(log: RobotLog, alpha: float, area: float | None, starts: int, seed: int):
@@ -153,29 +157,39 @@ def _search(log: RobotLog, alpha: float, area: float | None, starts: int, seed: 
         labels = model.of_observations(state.labels)
         yield labels, fit(log, labels, state.graph.poses)
     if log.num_observations > FEW:
-        _, _, (labels, graph) = _refined(model, state, np.random.default_rng([seed, starts]))
+        labels, graph = _refined(model, state, np.random.default_rng([seed, starts]))
         labels = confirmed(log, graph, without_displaced(model, labels, graph), model.tracklet)
         yield labels, fit(log, labels, graph.poses)
 
 
-def _refined(model: Model, state: State, rng: np.random.Generator):
-    """Repaired, and what does not pay undone: the model in pieces, its state, and labels (M,) with their graph."""
+def _refined(model: Model, state: State, rng: np.random.Generator) -> tuple[np.ndarray, PoseGraph]:
+    """Repaired where it pays: labels (M,) and the graph solved for them."""
+    seen = reassigned(model.log, state.graph.poses, *_objects(model, state))
+    attached = np.where(model.tracklet >= 0, model.of_observations(state.labels), seen)
+    found = [with_whole_tracklets(model, attached, state.graph.poses)]
     finer, state = repaired(model, state, rng)
-    labels, graph, score = with_whole_tracklets(model, finer.of_observations(state.labels), state.graph.poses)
-    finer, state = _descended(model, state, *pieces(model.tracklet, labels), (COLD,), rng)
-    again = with_whole_tracklets(model, finer.of_observations(state.labels), state.graph.poses)
-    return finer, state, again[:2] if again[2] > score else (labels, graph)
+    found.append(with_whole_tracklets(model, finer.of_observations(state.labels), state.graph.poses))
+    finer, state = _descended(finer, state, *pieces(model.tracklet, found[-1][0]), (COLD,), rng)
+    found.append(with_whole_tracklets(model, finer.of_observations(state.labels), state.graph.poses))
+    labels, graph, score = max(found, key=lambda each: each[2])
+    if score < found[0][2] + MARGIN:
+        labels, graph, score = found[0]
+    return labels, graph
 
 
 def _descended(model: Model, state: State, tracklet, labels, temperatures, rng) -> tuple[Model, State]:
     """The same partition with other tracklets (M,), whose objects (N,) are given, and then the best that is near."""
-    log, graph = model.log, state.graph
-    places = se2.apply(graph.poses[log.obs_time], log.obs_xy)
-    factors = observation_factors(log, tracklet, log.observation_std)
-    graph = replace(graph, landmarks=mean_landmarks(tracklet, places), observations=factors)
-    model = model._replace(tracklet=tracklet, rivals=rivals_of(log, tracklet))
+    model, graph = _tied_anew(model, state.graph, tracklet)
     *_, state = anneal(model, graph, labels, temperatures, rng)
     return model, settled(model, state, rng)
+
+
+def _tied_anew(model: Model, graph: PoseGraph, tracklet: np.ndarray) -> tuple[Model, PoseGraph]:
+    """The model with other tracklets (M,), and the graph with a landmark for each where it was seen."""
+    log, places = model.log, se2.apply(graph.poses[model.log.obs_time], model.log.obs_xy)
+    factors = observation_factors(log, tracklet, log.observation_std)
+    graph = replace(graph, landmarks=mean_landmarks(tracklet, places), observations=factors)
+    return model._replace(tracklet=tracklet, rivals=rivals_of(log, tracklet)), graph
 
 
 def _objects(model: Model, state: State) -> tuple[np.ndarray, np.ndarray]:
@@ -185,9 +199,11 @@ def _objects(model: Model, state: State) -> tuple[np.ndarray, np.ndarray]:
     return state.graph.landmarks[first], model.log.obs_class[seen[first]]
 
 
-def _reordered(log: RobotLog, order: np.ndarray) -> RobotLog:
+def in_time(log: RobotLog) -> tuple[RobotLog, np.ndarray]:
+    """The log with its observations in the order of the poses, in a frame by place; (M,) the way back."""
+    order = np.lexsort((log.obs_xy[:, 1], log.obs_xy[:, 0], log.obs_time))
     fields = {name: getattr(log, name)[order] for name in ("obs_time", "obs_xy", "obs_class")}
-    return replace(log, **fields)
+    return replace(log, **fields), np.argsort(order)
 
 
 def with_noise(log: RobotLog, odometry_std, observation_std) -> RobotLog:

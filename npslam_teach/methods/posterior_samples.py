@@ -4,7 +4,7 @@ At temperature 1 the sampler of ``association.gibbs`` visits every partition as 
 there fifteen objects? How often are these two tracklets one chair? No threshold can say it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from npslam_teach.association import require_alpha
 from npslam_teach.association.gibbs import GibbsSampler
 from npslam_teach.association.split_merge import split_or_merge
 from npslam_teach.methods.annealing import PROPOSALS, Model, State
-from npslam_teach.methods.posterior import best_state
+from npslam_teach.methods.posterior import best_state, in_time
 from npslam_teach.pose_graph.reduced_system import reduced_system
 from npslam_teach.system.progress import track
 from npslam_teach.types import RobotLog
@@ -77,7 +77,9 @@ def sample_posterior(
             raise ValueError(f"{name}: expected a positive integer, got {number}")
     if log.num_observations == 0:
         raise ValueError("log: expected at least one observation, got none")
-    return sample_around(*best_state(log, alpha, area, starts, seed), num_samples, chains, seed)
+    ordered, back = in_time(log)
+    samples = sample_around(*best_state(ordered, alpha, area, starts, seed), num_samples, chains, seed)
+    return replace(samples, tracklet=samples.tracklet[back])
 
 
 def sample_around(model: Model, state: State, num_samples: int, chains: int, seed: int) -> PosteriorSamples:

@@ -15,6 +15,7 @@ from npslam_teach.methods.ekf import (
     new_filter,
     observation_state_jacobians,
     predict,
+    squared_distances,
     squared_mahalanobis,
     update,
     with_new_object,
@@ -417,3 +418,26 @@ def test_the_past_is_worse_than_the_graph_makes_it():
         filtered, smoothed = (evaluation.distances_to_truth(s, truth)[0].mean() for s in (last, solved))
         ratios.append(smoothed / filtered)
     assert max(ratios) < 1.0 and np.median(ratios) < 0.8
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_filter_on_blocks_does_what_whole_matrices_do(seed):
+    """A whole run of both, the same decisions forced on them, to rounding."""
+    log, _ = simulate.fifteen_objects(seed)
+    std = np.asarray(log.odometry_std), np.asarray(log.observation_std)
+    plain, record = new_filter(), list(filter_steps(log))[:150]
+    for step in record:
+        if step.time > 0:
+            predict(plain, log.odometry[step.time - 1], std[0])
+        np.testing.assert_allclose(step.prior_mean, plain.x, atol=1e-9)
+        np.testing.assert_allclose(step.prior_cov, plain.P, atol=1e-9)
+        distance = squared_distances(plain.x, plain.P, log.obs_xy[step.observations], std[1])
+        alike = np.isfinite(step.squared_distance)
+        np.testing.assert_allclose(step.squared_distance[alike], distance[alike], rtol=1e-6)
+        matched = step.decision >= 0
+        if matched.any():
+            update(plain, step.decision[matched], log.obs_xy[step.observations[matched]], std[1])
+            assert step.nis == pytest.approx(float(plain.y @ plain.SI @ plain.y), rel=1e-6)
+        for k in step.observations[step.decision == NEW]:
+            plain = with_new_object(plain, log.obs_xy[k], std[1])
+        np.testing.assert_allclose(step.mean, plain.x, atol=1e-8)

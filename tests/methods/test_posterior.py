@@ -1,0 +1,191 @@
+"""The posterior over partitions, as a method: what it finds, what it does not depend on, and how sure it is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from npslam_teach import datasets, evaluation, se2, simulate
+from npslam_teach.association import all_partitions, same_partition
+from npslam_teach.association.partition_posterior import log_posterior
+from npslam_teach.evaluation.clustering import compare_partitions, singletons_for_unassigned
+from npslam_teach.evaluation.convergence import effective_sample_size, r_hat
+from npslam_teach.methods import posterior, sample_posterior
+from npslam_teach.methods.posterior import best_state, in_time, start_model
+from npslam_teach.pose_graph import fit
+from npslam_teach.pose_graph.reduced_system import reduced_system
+from npslam_teach.types import RobotLog, Snapshot
+
+RECORDINGS = "mrclam6r1_c5 mrclam6r2_c5 mrclam6r3_c5 mrclam6r3raw_c5 mrclam6r4_c5 mrclam6r5_c5".split()
+
+
+def last_of(log, **settings):
+    *_, last = posterior(log, **settings)
+    return last
+
+
+@pytest.mark.parametrize("noise", [1.0, 3.0])
+def test_fifteen_objects_are_found_where_the_papers_rule_finds_fifty(noise):
+    log, truth = simulate.fifteen_objects(3, noise)
+    metrics = evaluation.evaluate(last_of(log), truth, log)
+    assert metrics.num_objects == 15
+    assert metrics.ari >= 0.99
+
+
+def test_of_ten_runs_at_three_times_the_noise_nine_are_right(mu2016_path):
+    log, truth = datasets.load_log(mu2016_path)
+    right = 0
+    for seed in range(10):
+        noisy = simulate.add_noise(log, 3.0, np.random.default_rng(seed))
+        metrics = evaluation.evaluate(last_of(noisy), truth, noisy)
+        right += metrics.num_objects == 15 and metrics.ari >= 0.99
+    assert right >= 9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", RECORDINGS)
+def test_real_robots(data_folder, name):
+    path = data_folder / "mrclam" / f"{name}.npz"
+    if not path.is_file():
+        pytest.skip(f"{path} is missing")
+    log, truth = datasets.load_log(path)
+    last = last_of(log)
+    known = truth.obs_object >= 0
+    ari, _ = compare_partitions(truth.obs_object[known], singletons_for_unassigned(last.labels)[known])
+    assert ari >= 0.99
+    assert abs(last.num_objects - 15) <= 1
+    error = evaluation.evaluate(last, truth, log).mean_pose_error
+    graph, none = evaluation.true_association_fit(log, truth), np.full(log.num_observations, -1)
+    told = Snapshot(0, none, np.ones((len(graph.landmarks), log.num_classes + 1)), graph, 0.0, None)
+    assert error <= 1.1 * np.mean(evaluation.distances_to_truth(told, truth)[0])
+
+
+def test_two_chairs_that_are_seen_together_are_two():
+    rng, chairs = np.random.default_rng(0), np.array([[2.0, 0.25], [2.0, -0.25]])
+    xy = np.tile(chairs, (40, 1)) + rng.normal(0, 0.1, (80, 2))
+    log = RobotLog(np.zeros((39, 3)), np.repeat(np.arange(40), 2), xy, np.zeros(80, int), 1, (0.02,) * 3, (0.1,) * 2)
+    last = last_of(log)
+    assert last.num_objects == 2
+    np.testing.assert_array_equal(last.labels.reshape(-1, 2) == last.labels[0], np.tile([True, False], (40, 1)))
+
+
+def test_the_order_of_lines_and_the_names_of_classes_do_not_matter():
+    log, _ = simulate.fifteen_objects(2)
+    rng = np.random.default_rng(0)
+    order, name = rng.permutation(log.num_observations), rng.permutation(log.num_classes)
+    other = replace(log, obs_time=log.obs_time[order], obs_xy=log.obs_xy[order], obs_class=name[log.obs_class[order]])
+    assert same_partition(last_of(log).labels[order], last_of(other).labels)
+
+
+@pytest.mark.parametrize("scale", [0.1, 25.0])
+def test_the_unit_of_length_does_not_matter(scale):
+    log, _ = simulate.fifteen_objects(4)
+    metres = np.array([scale, scale, 1.0])
+    other = replace(
+        log,
+        odometry=log.odometry * metres,
+        obs_xy=log.obs_xy * scale,
+        odometry_std=log.odometry_std * metres,
+        observation_std=log.observation_std * scale,
+    )
+    assert same_partition(last_of(log).labels, last_of(other).labels)
+
+
+def test_the_same_seed_gives_the_same_answer():
+    log, _ = simulate.fifteen_objects(5, 3.0)
+    np.testing.assert_array_equal(last_of(log, seed=4).labels, last_of(log, seed=4).labels)
+
+
+def small_room(seed: int):
+    """Up to seven observations of up to three objects, two of which may be hard to tell apart."""
+    rng = np.random.default_rng(seed)
+    count, poses = int(rng.integers(2, 8)), 5
+    objects = rng.uniform(1, 4, (3, 2))
+    odometry = np.column_stack([np.full(poses - 1, 0.3), np.zeros(poses - 1), rng.normal(0, 0.1, poses - 1)])
+    path = se2.dead_reckoning(odometry)
+    time = rng.integers(0, poses, count)
+    seen = se2.apply_inverse(path[time], objects[rng.integers(0, 3, count)]) + rng.normal(0, 0.2, (count, 2))
+    noisy = odometry + rng.normal(0, 0.05, odometry.shape)
+    return RobotLog(noisy, time, seen, np.zeros(count, int), 1, (0.05,) * 3, (0.2,) * 2)
+
+
+def score_of(log, model, labels) -> float:
+    """The log posterior of a partition, linear around its own solution."""
+    graph = fit(log, labels)
+    tied = replace(start_model(log, model.alpha, model.area)[1], poses=graph.poses, landmarks=graph.landmarks[labels])
+    return log_posterior(model.evidence(reduced_system(tied)), labels)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_best_partition_of_a_small_log_is_the_best_of_all(seed):
+    log = small_room(seed)
+    found, (log, back) = last_of(log).labels, in_time(log)
+    model, _ = start_model(log)
+    scores = []
+    for labels in all_partitions(log.obs_class):
+        labels = np.array(labels)
+        if not (model.rivals & (labels[:, None] == labels)).any():
+            scores.append(score_of(log, model, labels))
+    ordered = np.unique(found[np.argsort(back)], return_inverse=True)[1]
+    assert score_of(log, model, ordered) >= max(scores) - 1e-2
+
+
+def test_samples_say_how_sure_it_is():
+    log, _ = simulate.fifteen_objects(1)
+    samples = sample_posterior(log, 80)
+    assert sum(samples.num_objects_probability.values()) == pytest.approx(1.0)
+    assert max(samples.num_objects_probability, key=samples.num_objects_probability.get) in (15, 16)
+    count = len(samples.best)
+    assert samples.together.shape == (count, count)
+    np.testing.assert_allclose(np.diag(samples.together), 1.0)
+    again = sample_posterior(log, 80)
+    np.testing.assert_array_equal(samples.partitions, again.partitions)
+    assert (np.linalg.eigvalsh(samples.object_cov) > 0).all()
+
+
+@pytest.mark.slow
+def test_frequencies_of_a_small_log_are_the_exact_posterior():
+    """All partitions of up to six observations enumerated in the same linear model."""
+    for seed in range(100, 110):
+        log = small_room(seed)
+        if log.num_observations > 6:
+            continue
+        samples = sample_posterior(log, 4000)
+        model, state = best_state(in_time(log)[0], 1.0, None, 6, 0)
+        evidence = model.evidence(reduced_system(state.graph))
+        exact = {tuple(each): log_posterior(evidence, np.array(each)) for each in all_partitions(log.obs_class)}
+        top = max(exact.values())
+        total = sum(np.exp(value - top) for value in exact.values())
+        often = {}
+        for each in samples.partitions.reshape(-1, log.num_observations):
+            first = {}
+            key = tuple(first.setdefault(label, len(first)) for label in each.tolist())
+            often[key] = often.get(key, 0) + 1 / 4000
+        distance = sum(abs(often.get(key, 0) - np.exp(v - top) / total) for key, v in exact.items()) / 2
+        assert distance < 0.05, (seed, distance)
+
+
+def test_wrong_settings_are_named():
+    log, _ = simulate.toy_objects()
+    for settings, words in (
+        ({"alpha": 0.0}, "alpha: expected a positive number"),
+        ({"starts": 0}, "starts: expected a positive integer"),
+        ({"area": -1.0}, "area: expected a positive number of square metres"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            last_of(log, **settings)
+    with pytest.raises(ValueError, match="num_samples: expected a positive integer"):
+        sample_posterior(log, 0)
+
+
+def test_r_hat_and_effective_sample_size_of_known_chains():
+    rng = np.random.default_rng(0)
+    independent = rng.normal(size=(4, 2000))
+    assert r_hat(independent) == pytest.approx(1.0, abs=0.01)
+    assert r_hat(independent + np.arange(4)[:, None]) > 1.5
+    assert r_hat(np.ones((4, 10))) == 1.0
+    assert effective_sample_size(independent) == pytest.approx(8000, rel=0.1)
+    chain = np.zeros((4, 4000))
+    for k in range(1, 4000):
+        chain[:, k] = 0.9 * chain[:, k - 1] + rng.normal(size=4)
+    assert effective_sample_size(chain) == pytest.approx(16_000 * 0.1 / 1.9, rel=0.3)

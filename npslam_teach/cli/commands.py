@@ -39,8 +39,7 @@ def solve(options) -> int:
         settings = solving.settings_of(options, log)
         run, restarts = solving.run(options, log, settings)
         result = solve_report.solve_result(run, truth) | {"score": solving.score(options, log, run)}
-        if options.samples:
-            result["posterior"] = solving.sampled(options, log, settings)
+        result |= solving.sampled(options, log, settings)
     result["settings"] = {"name": solving.settings_name(options)} | settings
     result["settled"], result["restarts"] = solving.settled(run, settings), restarts
     solving.remarks(options, log, settings, run)
@@ -58,6 +57,22 @@ def _draw_result(run, truth, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name, figure in plotting.result_figures(run.snapshots, run.log, truth).items():
         plotting.save(figure, folder / name)
+
+
+def import_recording(options) -> int:
+    """Turn a recording into a log, and say what it holds."""
+    from npslam_teach import datasets
+
+    if options.format == "mrclam":
+        log, truth = datasets.load_mrclam(options.path, options.robot, options.classes)
+    elif options.format == "victoria-park":
+        log, truth = datasets.load_hidden(options.path)
+    else:
+        log, truth = datasets.load_log(options.path)
+    datasets.save_log(options.out, log, truth)
+    classes = "one class" if log.num_classes == 1 else f"{log.num_classes} classes"
+    print(f"{options.out}: {log.num_poses} poses, {log.num_observations} observations of {classes}")
+    return 0
 
 
 def reproduce(options) -> int:

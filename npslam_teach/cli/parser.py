@@ -64,7 +64,8 @@ def main(arguments: list[str] | None = None) -> int:
 def _function_of(command: str):
     from npslam_teach.cli import checkout, commands
 
-    return getattr(commands, command, None) or getattr(checkout, command)
+    name = "import_recording" if command == "import" else command  # a word that Python keeps for itself
+    return getattr(commands, name, None) or getattr(checkout, name)
 
 
 def _explain(program: str, command: str, error: Exception) -> int:
@@ -88,6 +89,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_bench(subparsers)
     _add_reproduce(subparsers)
     _add_solve(subparsers)
+    _add_import(subparsers)
     _add_optimize(subparsers)
     _add_figures(subparsers)
     _add_site(subparsers)
@@ -180,6 +182,18 @@ def _add_settings(solve) -> None:
     solve.add_argument("--gate", type=number, metavar="P", help="ekf: the share of right matches to let through")
     text = "np-graph: whether two observations of one frame are always of two objects"
     solve.add_argument("--exclusive", action=argparse.BooleanOptionalAction, default=None, help=text)
+
+
+def _add_import(subparsers) -> None:
+    recording = _add(subparsers, "import", "turn a recording of a real robot into a log")
+    text = "mrclam: the text files of that data set; victoria-park: any .g2o of known landmarks; csv: our tables"
+    recording.add_argument("format", choices=("mrclam", "victoria-park", "csv"), help=text)
+    recording.add_argument("path", metavar="PATH", help="a folder or a file")
+    text = "the log to write: .npz, or .csv; identities are hidden, and stand in its truth"
+    recording.add_argument("--out", metavar="LOG", required=True, help=text)
+    recording.add_argument("--robot", type=count, default=1, metavar="N", help="mrclam: which (default 1)")
+    text = "mrclam: a landmark's class is its number modulo C (default 5); 1: all look alike"
+    recording.add_argument("--classes", type=count, default=5, metavar="C", help=text)
 
 
 def _add_optimize(subparsers) -> None:

@@ -48,13 +48,15 @@ def require_options(options) -> None:
 
 
 def sampled(options, log: RobotLog, settings: dict) -> dict:
-    """The posterior, sampled around the best partition: ``posterior_report.samples_result``."""
+    """Where samples are asked for, the posterior around the best partition: ``posterior_report.samples_result``."""
+    if options.samples is None:
+        return {}
     from npslam_teach.cli.posterior_report import samples_result
     from npslam_teach.methods.posterior import with_noise
 
     log = with_noise(log, settings.get("odometry_std"), settings.get("observation_std"))
     known = {name: settings[name] for name in ("alpha", "area", "starts") if name in settings}
-    return samples_result(sample_posterior(log, options.samples, **known))
+    return {"posterior": samples_result(sample_posterior(log, options.samples, **known))}
 
 
 def score(options, log: RobotLog, found: experiments.Run) -> float:

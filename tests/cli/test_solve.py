@@ -243,3 +243,29 @@ def test_the_table_in_the_readme_is_a_log(capsys, tmp_path):
     (tmp_path / "run.csv").write_text(table, encoding="utf-8")
     result = json.loads(call(capsys, "solve", tmp_path / "run.csv", "--json")[1])
     assert (result["num_observations"], result["num_objects"]) == (2, 1)
+
+
+def test_samples_of_the_posterior(capsys, log_file):
+    code, out, err = call(capsys, "solve", log_file, "--method", "posterior", "--samples", "64", "--json")
+    assert (code, err) == (0, "")
+    sampled = json.loads(out)["posterior"]
+    assert sum(sampled["num_objects_probability"].values()) == pytest.approx(1.0)
+    assert np.shape(sampled["together"]) == (len(sampled["best"]),) * 2
+    assert len(sampled["objects"]) == max(sampled["best"]) + 1
+    assert set(sampled["r_hat"]) == set(sampled["effective_sample_size"]) == {"num_objects", "log_posterior"}
+    code, out, _ = call(capsys, "solve", log_file, "--method", "posterior", "--samples", "64")
+    assert code == 0
+    assert re.search(r"number of objects     \d+ \(\d\.\d{3}\)", out)
+    assert "in 4 chains, R-hat" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--samples", "100"], "--samples: expected the method posterior, got np-graph"),
+        (["--method", "posterior", "--samples", "3"], "--samples: expected at least 16, got 3"),
+        (["--method", "ekf", "--starts", "2"], "--starts: expected a method that has it, got ekf"),
+    ],
+)
+def test_samples_that_make_no_sense(refused, log_file, arguments, words):
+    assert words in refused("solve", log_file, *arguments)

@@ -25,6 +25,7 @@ def test_every_command_has_its_function():
     actions = parser.build_parser()._subparsers._group_actions[0].choices
     assert set(actions) == {
         "lab",
+        "import",
         "fetch",
         "test",
         "bench",

@@ -32,6 +32,7 @@ def test_fifteen_objects_are_found_where_the_papers_rule_finds_fifty(noise):
     assert metrics.ari >= 0.99
 
 
+@pytest.mark.slow
 def test_of_ten_runs_at_three_times_the_noise_nine_are_right(mu2016_path):
     log, truth = datasets.load_log(mu2016_path)
     right = 0
@@ -69,6 +70,7 @@ def test_two_chairs_that_are_seen_together_are_two():
     np.testing.assert_array_equal(last.labels.reshape(-1, 2) == last.labels[0], np.tile([True, False], (40, 1)))
 
 
+@pytest.mark.slow
 def test_the_order_of_lines_and_the_names_of_classes_do_not_matter():
     log, _ = simulate.fifteen_objects(2)
     rng = np.random.default_rng(0)
@@ -77,6 +79,7 @@ def test_the_order_of_lines_and_the_names_of_classes_do_not_matter():
     assert same_partition(last_of(log).labels[order], last_of(other).labels)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scale", [0.1, 25.0])
 def test_the_unit_of_length_does_not_matter(scale):
     log, _ = simulate.fifteen_objects(4)
@@ -91,6 +94,7 @@ def test_the_unit_of_length_does_not_matter(scale):
     assert same_partition(last_of(log).labels, last_of(other).labels)
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_answer():
     log, _ = simulate.fifteen_objects(5, 3.0)
     np.testing.assert_array_equal(last_of(log, seed=4).labels, last_of(log, seed=4).labels)
@@ -135,6 +139,7 @@ def test_the_best_partition_of_a_small_log_is_nearly_always_the_best_of_all():
     assert max(behind) < 0.5
 
 
+@pytest.mark.slow
 def test_samples_say_how_sure_it_is():
     log, _ = simulate.fifteen_objects(1)
     samples = sample_posterior(log, 80)

@@ -9,6 +9,7 @@ from npslam_teach import experiments
 from npslam_teach.association import PAPER_ALPHA, same_partition
 from npslam_teach.evaluation import refitted_objective
 from npslam_teach.methods import METHODS, paper_settings, sample_posterior, settings_for
+from npslam_teach.methods.posterior import FEW
 from npslam_teach.methods.snapshots import snapshot
 from npslam_teach.pose_graph import fit
 from npslam_teach.system.progress import track
@@ -89,12 +90,21 @@ def remarks(options, log: RobotLog, settings: dict, found: experiments.Run) -> N
     if settled(found, settings) is False:
         text = f"stopped after {len(found.snapshots) - 1} iterations while labels were still changing; see --iterations"
         warnings.warn(text, stacklevel=2)
+    starts = settings.get("starts", METHODS[options.method].settings.get("starts"))
+    if options.method == "posterior" and searches_of(found) == starts:
+        text = f"all {starts} searches were needed, and the best partition may not have been found twice; see --starts"
+        warnings.warn(text, stacklevel=2)
     threshold, most = settings.get("threshold"), 1 / (1 + alpha)  # of the probability that two observations are one
     if options.method == "np-graph" and threshold is not None and threshold >= most:
         text = f"--threshold {threshold:g}: expected less than {most:.3f}, the most that two observations can reach"
         warnings.warn(f"{text}; nothing can be merged", stacklevel=2)
     if options.method != "frame-by-frame" and last.num_objects == log.num_observations > 1:
         warnings.warn("nothing was merged: every observation is an object of its own", stacklevel=2)
+
+
+def searches_of(found: experiments.Run) -> int:
+    """How often ``posterior`` searched: it also keeps the start, the tracklets and, of a long log, the repaired end."""
+    return len(found.snapshots) - (3 if found.log.num_observations > FEW else 2)
 
 
 def settled(found: experiments.Run, settings: dict) -> bool | None:

@@ -164,8 +164,7 @@ def _search(log: RobotLog, alpha: float, area: float | None, starts: int, seed: 
 
 def _refined(model: Model, state: State, rng: np.random.Generator) -> tuple[np.ndarray, PoseGraph]:
     """Repaired where it pays: labels (M,) and the graph solved for them."""
-    seen = reassigned(model.log, state.graph.poses, *_objects(model, state))
-    attached = np.where(model.tracklet >= 0, model.of_observations(state.labels), seen)
+    attached = _with_left_out(model, state)
     found = [with_whole_tracklets(model, attached, state.graph.poses)]
     finer, state = repaired(model, state, rng)
     found.append(with_whole_tracklets(model, finer.of_observations(state.labels), state.graph.poses))
@@ -175,6 +174,16 @@ def _refined(model: Model, state: State, rng: np.random.Generator) -> tuple[np.n
     if score < found[0][2] + MARGIN:
         labels, graph, score = found[0]
     return labels, graph
+
+
+def _with_left_out(model: Model, state: State) -> np.ndarray:
+    """Labels (M,) in which those that were left out go where they fit best, if their frame has not taken it."""
+    labels = model.of_observations(state.labels)
+    seen = reassigned(model.log, state.graph.poses, *_objects(model, state))
+    count = labels.max(initial=-1) + 1
+    taken = (model.log.obs_time * count + labels)[labels >= 0]
+    free = (seen >= 0) & ~np.isin(model.log.obs_time * count + seen, taken)
+    return np.where(labels >= 0, labels, np.where(free, seen, -1))
 
 
 def _descended(model: Model, state: State, tracklet, labels, temperatures, rng) -> tuple[Model, State]:

@@ -269,3 +269,10 @@ def test_samples_of_the_posterior(capsys, log_file):
 )
 def test_samples_that_make_no_sense(refused, log_file, arguments, words):
     assert words in refused("solve", log_file, *arguments)
+
+
+def test_a_single_search_is_not_taken_for_certain(capsys, log_file):
+    _, _, err = call(capsys, "solve", log_file, "--method", "posterior", "--starts", "1")
+    assert "all 1 searches were needed, and the best partition may not have been found twice; see --starts" in err
+    _, _, err = call(capsys, "solve", log_file, "--method", "posterior")
+    assert err == ""

@@ -27,7 +27,11 @@ def last_of(log, **settings):
 @pytest.mark.parametrize("noise", [1.0, 3.0])
 def test_fifteen_objects_are_found_where_the_papers_rule_finds_fifty(noise):
     log, truth = simulate.fifteen_objects(3, noise)
-    metrics = evaluation.evaluate(last_of(log), truth, log)
+    last = last_of(log)
+    metrics = evaluation.evaluate(last, truth, log)
+    for time in np.unique(log.obs_time):  # no object twice in a frame
+        used = last.labels[(log.obs_time == time) & (last.labels >= 0)]
+        assert len(np.unique(used)) == len(used)
     assert metrics.num_objects == 15
     assert metrics.ari >= 0.99
 

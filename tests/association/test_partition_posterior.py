@@ -127,7 +127,7 @@ def test_partitions_come_as_often_as_they_are_probable(moves):
     exact, sampler = probabilities(evidence), GibbsSampler(evidence, np.zeros(4, dtype=int), rng)
     if evidence.rivals.any():
         sampler = GibbsSampler(evidence, np.arange(4), rng)
-    number, often = 3_000, dict.fromkeys(exact, 0)
+    number, often = 2_000, dict.fromkeys(exact, 0)
     for _ in range(number):
         if moves != "split-merge":
             sampler.sweep()
@@ -135,14 +135,14 @@ def test_partitions_come_as_often_as_they_are_probable(moves):
             split_or_merge(sampler)
         often[numbered(sampler.labels)] += 1
     distance = sum(abs(often[each] / number - share) for each, share in exact.items()) / 2
-    assert distance < (0.08 if moves == "split-merge" else 0.04)
+    assert distance < (0.1 if moves == "split-merge" else 0.05)
 
 
 @pytest.mark.slow
 def test_total_variation_on_random_cases():
     """What is left of the distance between sampled and exact frequencies is what independent samples would leave."""
     excess = []
-    for seed in range(30):
+    for seed in range(12):
         rng = np.random.default_rng(1000 + seed)
         evidence = evidence_of(rng, int(rng.integers(2, 6)))
         exact, number, often = probabilities(evidence), 600, {}
@@ -156,7 +156,7 @@ def test_total_variation_on_random_cases():
         chance = sum(math.sqrt(share * (1 - share) / (2 * math.pi * number)) for share in exact.values())
         assert distance <= 0.02 + 2 * chance, (seed, distance, chance)
         excess.append(distance - chance)
-    assert np.mean(excess) <= 0.01
+    assert np.mean(excess) <= 0.015
 
 
 @pytest.mark.parametrize("seed", range(10))

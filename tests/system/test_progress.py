@@ -76,6 +76,7 @@ COUNTS = {
     "open-loop": "observations",
     "robust-slam": "observations",
     "frame-by-frame": None,
+    "posterior": "searches",
 }
 
 

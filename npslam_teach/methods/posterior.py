@@ -103,7 +103,9 @@ def best_of_starts(model: Model, graph: PoseGraph, starts: int, seed) -> Iterato
     best, found = None, 0
     for start in range(starts):
         rng = np.random.default_rng([*seed, start])
-        *_, last = anneal(model, graph, np.arange(len(model.rivals)), TEMPERATURES, rng)
+        # Every other search is linear around the best trajectory so far: the first may have been far off.
+        around = graph if start % 2 == 0 else _tied_anew(model, best.graph, model.tracklet)[1]
+        *_, last = anneal(model, around, np.arange(len(model.rivals)), TEMPERATURES, rng)
         last = settled(model, last, rng)
         if best is None or last.log_posterior > best.log_posterior + SAME:
             best, found = last, 1

@@ -78,14 +78,14 @@ class GibbsSampler:
         """Go back to what was ``saved``; once only, for it will move on."""
         self.slot, self.members, self.cov, self.mean, self.log_posterior = saved
 
-    def split_off(self, tracklet: int) -> float:
-        """Take a tracklet out of its object, alone into a slot of its own; return how the log posterior changes.
+    def split_off(self, tracklet: int) -> None:
+        """Take a tracklet out of its object, alone into a slot of its own.
 
         With ``l_t = l_i + delta`` the joint information of (l, delta) is [[J, V], [V^T, Lambda_tt]], V = A^T Lambda_t.
         """
         slot = self.slot[tracklet]
         if len(self.members[slot]) == 1:
-            return 0.0
+            return
         delta, delta_cov, gain = self._let_go(tracklet)
         free, here = self._free_slot(), slice(2 * slot, 2 * slot + 2)
         there = slice(2 * free, 2 * free + 2)
@@ -100,7 +100,6 @@ class GibbsSampler:
         self.members[free] = [tracklet]
         self.slot[tracklet] = free
         self.log_posterior += change
-        return change
 
     def _let_go(self, tracklet: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Let a tracklet stand apart from its object by delta: its mean and covariance, and how the objects follow."""

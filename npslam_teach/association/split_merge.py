@@ -81,7 +81,6 @@ def merge_objects(sampler: GibbsSampler) -> None:
         if change[gone, stays] <= 0:
             return
         sampler.merge(int(gone), int(stays))
-        sampler.log_posterior += float(change[gone, stays])
         sampler.refresh()
 
 
@@ -97,7 +96,6 @@ def displaced(sampler: GibbsSampler, share: float, spread: np.ndarray) -> np.nda
         share: of the tracklets that are displaced.
         spread: (2, 2) m^2, by how much.
     """
-    sampler.refresh()
     labels, change = sampler.slot.copy(), _merger_changes(sampler, spread)
     change = np.maximum(change, change.T)
     for i in sorted(range(len(sampler.members)), key=lambda i: sampler.evidence.counts[sampler.members[i]].sum()):
@@ -115,8 +113,7 @@ def _merger_changes(sampler: GibbsSampler, spread: np.ndarray | float = 0.0) -> 
     rivals = member_of.T @ sampler.evidence.rivals @ member_of > 0
     blocks, mean = sampler.cov.reshape(count, 2, count, 2).swapaxes(1, 2), sampler.mean.reshape(-1, 2)
     own = blocks[np.arange(count), np.arange(count)]
-    cov = own[:, None] + own - blocks - blocks.swapaxes(2, 3)
-    cov = cov + spread
+    cov = own[:, None] + own - blocks - blocks.swapaxes(2, 3) + spread
     cov[np.arange(count), np.arange(count)] = np.eye(2)
     change = np.where(rivals | np.eye(count, dtype=bool), -np.inf, log_normal(mean[:, None] - mean, cov))
     prior = [log_prior(sampler.evidence.counts[each].tolist(), sampler.evidence) for each in sampler.members]

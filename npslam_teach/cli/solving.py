@@ -7,9 +7,10 @@ import numpy as np
 
 from npslam_teach import experiments
 from npslam_teach.association import PAPER_ALPHA, same_partition
+from npslam_teach.cli.posterior_report import samples_result
 from npslam_teach.evaluation import refitted_objective
 from npslam_teach.methods import METHODS, paper_settings, sample_posterior, settings_for
-from npslam_teach.methods.posterior import FEW
+from npslam_teach.methods.posterior import FEW, with_noise
 from npslam_teach.methods.snapshots import snapshot
 from npslam_teach.pose_graph import fit
 from npslam_teach.system.progress import track
@@ -52,9 +53,6 @@ def sampled(options, log: RobotLog, settings: dict) -> dict:
     """Where samples are asked for, the posterior around the best partition: ``posterior_report.samples_result``."""
     if options.samples is None:
         return {}
-    from npslam_teach.cli.posterior_report import samples_result
-    from npslam_teach.methods.posterior import with_noise
-
     log = with_noise(log, settings.get("odometry_std"), settings.get("observation_std"))
     known = {name: settings[name] for name in ("alpha", "area", "starts") if name in settings}
     return {"posterior": samples_result(sample_posterior(log, options.samples, **known))}

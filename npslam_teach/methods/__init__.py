@@ -3,7 +3,7 @@
 ``*_, last = method(log)`` gets the answer; ``list(method(log))`` feeds a slider; one loop over ``METHODS`` compares
 them all. Every method begins with the same snapshot 0: dead reckoning, every observation an object of its own.
 Begin with ``np_graph``, the paper's; ``registry`` has a record of each, ``settings`` the constants of the paper and of
-other sensors; ``ekf`` is the filter under ``ekf_slam``. ``posterior`` goes past the
+other sensors; ``ekf`` is the filter of ``ekf_slam``, ``block_filter`` the same faster. ``posterior`` goes past the
 paper: read ``tracklets``, ``annealing`` and ``repair`` with it, and ``posterior_samples``.
 """
 

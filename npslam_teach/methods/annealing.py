@@ -14,6 +14,7 @@ import numpy as np
 from npslam_teach.association.gibbs import GibbsSampler
 from npslam_teach.association.partition_posterior import TrackletEvidence
 from npslam_teach.association.split_merge import merge_objects, split_or_merge
+from npslam_teach.methods.gating import frames_of
 from npslam_teach.pose_graph import levenberg_marquardt, observation_factors
 from npslam_teach.pose_graph.reduced_system import ReducedSystem, reduced_system
 from npslam_teach.types import PoseGraph, RobotLog
@@ -105,8 +106,8 @@ def rivals_of(log: RobotLog, tracklet: np.ndarray) -> np.ndarray:
     of_class = np.zeros(tracklet.max(initial=-1) + 1, dtype=int)
     of_class[tracklet[used]] = log.obs_class[used]
     rivals = of_class[:, None] != of_class
-    used = used[np.argsort(log.obs_time[used], kind="stable")]
-    for frame in np.split(tracklet[used], np.flatnonzero(np.diff(log.obs_time[used])) + 1):
+    for observations in frames_of(log):
+        frame = tracklet[observations][tracklet[observations] >= 0]
         rivals[np.ix_(frame, frame)] = True
     np.fill_diagonal(rivals, False)
     return rivals

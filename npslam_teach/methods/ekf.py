@@ -1,4 +1,6 @@
-"""The extended Kalman filter under ``ekf_slam``: one Gaussian over the robot's present pose and all objects.
+"""The extended Kalman filter of ``ekf_slam`` in whole matrices: one Gaussian over the present pose and all objects.
+
+``block_filter``, which the method runs, does the same on the blocks that it touches.
 
 The state is ``[x, y, theta, l_1x, l_1y, l_2x, ...]`` in W and grows by two numbers with every new object. Its mean and
 covariance are kept by filterpy's ``ExtendedKalmanFilter``; here stand the models that filterpy is fed with.

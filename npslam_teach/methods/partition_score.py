@@ -71,7 +71,12 @@ def without_displaced(model: Model, labels: np.ndarray, graph: PoseGraph) -> np.
     finer, reduced, of_piece = _in_pieces(model, labels, graph)
     sampler = GibbsSampler(finer.evidence(reduced), of_piece, np.random.default_rng(0))
     spread = np.diag((OUTLIER_FACTOR * model.log.observation_std) ** 2)
-    return without_gaps(finer.of_observations(displaced(sampler, share, spread)))
+    joined = finer.of_observations(displaced(sampler, share, spread))
+    # Two guests of one object may have been seen together: the one of the larger object stays.
+    size = np.append(np.bincount(labels[labels >= 0]), 0)[labels]
+    order = np.argsort(-size, kind="stable")
+    _, first = np.unique(np.column_stack([model.log.obs_time, joined])[order], axis=0, return_index=True)
+    return without_gaps(np.where(np.isin(np.arange(len(joined)), order[first]), joined, -1))
 
 
 def _in_pieces(model: Model, labels: np.ndarray, graph: PoseGraph) -> tuple[Model, ReducedSystem, np.ndarray]:

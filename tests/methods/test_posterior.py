@@ -59,6 +59,8 @@ def test_real_robots(data_folder, name):
     ari, _ = compare_partitions(truth.obs_object[known], singletons_for_unassigned(last.labels)[known])
     assert ari >= 0.99
     assert abs(last.num_objects - 15) <= 1
+    frames = np.column_stack([log.obs_time, last.labels])[last.labels >= 0]
+    assert len(np.unique(frames, axis=0)) == len(frames)  # no object twice in a frame
     error = evaluation.evaluate(last, truth, log).mean_pose_error
     graph, none = evaluation.true_association_fit(log, truth), np.full(log.num_observations, -1)
     told = Snapshot(0, none, np.ones((len(graph.landmarks), log.num_classes + 1)), graph, 0.0, None)

@@ -31,7 +31,14 @@ from npslam_teach.association.likelihood import (
     require_rule,
 )
 from npslam_teach.association.objective import objective
-from npslam_teach.association.partitions import Association, all_partitions, same_partition, without_empty_objects
+from npslam_teach.association.partitions import (
+    Association,
+    all_partitions,
+    first_observations,
+    in_order_of_sight,
+    same_partition,
+    without_empty_objects,
+)
 from npslam_teach.association.sweep import plain_sweep, sweep
 
 __all__ = [
@@ -46,6 +53,8 @@ __all__ = [
     "decide",
     "exclusive_sweep",
     "expected_num_objects",
+    "first_observations",
+    "in_order_of_sight",
     "false_positives",
     "all_partitions",
     "log_density",

@@ -16,6 +16,7 @@ from npslam_teach.association.partition_posterior import (
     log_evidence,
     log_prior,
 )
+from npslam_teach.association.partitions import in_order_of_sight
 
 
 class GibbsSampler:
@@ -33,8 +34,7 @@ class GibbsSampler:
     @property
     def labels(self) -> np.ndarray:
         """(N,) the object of each tracklet, from 0 without gaps, numbered by first sight."""
-        _, first, inverse = np.unique(self.slot, return_index=True, return_inverse=True)
-        return np.argsort(np.argsort(first))[inverse]
+        return in_order_of_sight(self.slot)
 
     @property
     def positions(self) -> np.ndarray:

@@ -22,6 +22,27 @@ def without_empty_objects(labels: np.ndarray, landmarks: np.ndarray) -> Associat
     return Association(np.where(labels >= 0, renumbered[labels], -1), landmarks[kept])
 
 
+def in_order_of_sight(keys: np.ndarray, used: np.ndarray | None = None) -> np.ndarray:
+    """One number for all observations of equal keys, from 0 in the order in which they first appear.
+
+    Args:
+        keys: (M,) or (M, d), whatever tells the objects apart.
+        used: (M,) bool; the others get -1. None: all are used.
+    """
+    used = np.full(len(keys), True) if used is None else used
+    numbers = np.full(len(keys), -1)
+    if used.any():
+        _, first, inverse = np.unique(keys[used], axis=0, return_index=True, return_inverse=True)
+        numbers[used] = np.argsort(np.argsort(first))[inverse.ravel()]
+    return numbers
+
+
+def first_observations(labels: np.ndarray) -> np.ndarray:
+    """(K,) which observation (M,) of each object comes first in the log; the label -1 is none."""
+    numbers, first = np.unique(labels, return_index=True)
+    return first[numbers >= 0]
+
+
 def same_partition(labels: np.ndarray, other: np.ndarray) -> bool:
     """Whether two labelings (M,) group the observations alike, whatever the objects are called; -1 is a group too."""
     pairs = np.unique((labels + 1) * (other.max(initial=-1) + 2) + other)

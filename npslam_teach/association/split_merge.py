@@ -101,7 +101,8 @@ def displaced(sampler: GibbsSampler, share: float, spread: np.ndarray) -> np.nda
     for i in sorted(range(len(sampler.members)), key=lambda i: sampler.evidence.counts[sampler.members[i]].sum()):
         gain = change[i] + math.log(share) * len(sampler.members[i])
         if len(gain) and gain.max() > 0:
-            labels[sampler.members[i]] = labels[sampler.members[int(gain.argmax())][0]]
+            # Those that have joined it go along.
+            labels[labels == labels[sampler.members[i][0]]] = labels[sampler.members[int(gain.argmax())][0]]
             change[:, i] = -np.inf
     return np.unique(labels, return_inverse=True)[1]
 
@@ -117,8 +118,9 @@ def _merger_changes(sampler: GibbsSampler, spread: np.ndarray | float = 0.0) -> 
     cov[np.arange(count), np.arange(count)] = np.eye(2)
     change = np.where(rivals | np.eye(count, dtype=bool), -np.inf, log_normal(mean[:, None] - mean, cov))
     prior = [log_prior(sampler.evidence.counts[each].tolist(), sampler.evidence) for each in sampler.members]
-    # A merger can gain no more than this by the prior.
-    most = 10.0 * len(sampler.slot)
+    # A merger can gain no more than this by the prior: one object less, and every tracklet joins all the others.
+    evidence = sampler.evidence
+    most = abs(math.log(evidence.alpha / evidence.area)) + len(sampler.slot) * math.log(evidence.counts.sum())
     for i, j in np.argwhere(np.triu(change > -most)):
         both = sorted(sampler.members[i] + sampler.members[j])
         joint = log_prior(sampler.evidence.counts[both].tolist(), sampler.evidence)

@@ -63,8 +63,12 @@ def import_recording(options) -> int:
     """Turn a recording into a log, and say what it holds."""
     from npslam_teach import datasets
 
+    of_mrclam = {"robot": options.robot, "num_classes": options.classes}
+    given = {name: value for name, value in of_mrclam.items() if value is not None}
     if options.format == "mrclam":
-        log, truth = datasets.load_mrclam(options.path, options.robot, options.classes)
+        log, truth = datasets.load_mrclam(options.path, **given)
+    elif given:
+        raise ValueError(f"--robot and --classes: expected with mrclam only, got {options.format}")
     elif options.format == "victoria-park":
         log, truth = datasets.load_hidden(options.path)
     else:

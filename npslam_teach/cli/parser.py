@@ -191,9 +191,9 @@ def _add_import(subparsers) -> None:
     recording.add_argument("path", metavar="PATH", help="a folder or a file")
     text = "the log to write: .npz, or .csv; identities are hidden, and stand in its truth"
     recording.add_argument("--out", metavar="LOG", required=True, help=text)
-    recording.add_argument("--robot", type=count, default=1, metavar="N", help="mrclam: which (default 1)")
+    recording.add_argument("--robot", type=count, metavar="N", help="mrclam: which (default 1)")
     text = "mrclam: a landmark's class is its number modulo C (default 5); 1: all look alike"
-    recording.add_argument("--classes", type=count, default=5, metavar="C", help=text)
+    recording.add_argument("--classes", type=count, metavar="C", help=text)
 
 
 def _add_optimize(subparsers) -> None:

@@ -20,7 +20,7 @@ STEP, TURN = 0.1, 0.1  # m, rad: a pose at least every so far
 MISREAD = 1.0  # m; a barcode that is read so far from its landmark was read wrongly
 
 
-def load_mrclam(folder, robot: int, num_classes: int = 5) -> tuple[RobotLog, GroundTruth]:
+def load_mrclam(folder, robot: int = 1, num_classes: int = 5) -> tuple[RobotLog, GroundTruth]:
     """One robot of a data set of MRCLAM; other robots that it sees are left out.
 
     There is a pose wherever a landmark is seen, and one for every ``STEP`` or ``TURN``. The class of a landmark is its
@@ -56,6 +56,11 @@ def load_mrclam(folder, robot: int, num_classes: int = 5) -> tuple[RobotLog, Gro
             unknown = number.max() + FIRST_LANDMARK
             raise ValueError(
                 f"Landmark_Groundtruth.dat: expected subject {unknown}, which is seen, among its landmarks"
+            )
+        known = (seen[:, 0] >= truth[0, 0]) & (seen[:, 0] <= truth[-1, 0])
+        if len(np.unique(seen[known, 0])) < 2:
+            raise ValueError(
+                f"Robot{robot}_Groundtruth.dat: expected the pose at two sights or more, got {known.sum()}"
             )
         return _log_of(wheels, seen, number, truth, landmarks[np.argsort(landmarks[:, 0]), 1:3], num_classes)
 

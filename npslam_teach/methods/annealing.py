@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from npslam_teach.association import first_observations
 from npslam_teach.association.gibbs import GibbsSampler
 from npslam_teach.association.partition_posterior import TrackletEvidence
 from npslam_teach.association.split_merge import merge_objects, split_or_merge
@@ -93,7 +94,7 @@ def settled(model: Model, state: State, rng: np.random.Generator) -> State:
 
 def solved(model: Model, graph: PoseGraph, labels: np.ndarray, steps: int = 2) -> tuple[PoseGraph, float]:
     """A few steps of the solver for a partition; the graph keeps one landmark for every tracklet. And its chi2."""
-    first = np.unique(labels, return_index=True)[1]
+    first = first_observations(labels)
     factors = observation_factors(model.log, model.of_observations(labels), model.log.observation_std)
     joined = replace(graph, landmarks=graph.landmarks[first], observations=factors)
     *_, last = levenberg_marquardt(joined, max_iterations=steps)

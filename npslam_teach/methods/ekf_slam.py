@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from npslam_teach.association import in_order_of_sight
 from npslam_teach.methods.block_filter import Belief
 from npslam_teach.methods.gating import GATE, NEW, NEW_GATE, UNASSIGNED, assign, frames_of, squared_gates
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
@@ -175,7 +176,6 @@ def _in_order_of_sight(labels: np.ndarray, frames: list[np.ndarray]) -> np.ndarr
         used = labels[observations][labels[observations] >= 0]
         if len(np.unique(used)) < len(used):
             raise ValueError(f"labels: expected every object at most once in a frame, got one twice at pose {time}")
-    names, first = np.unique(labels[in_time], return_index=True)
-    number = np.full(len(names), UNASSIGNED)
-    number[names >= 0] = np.argsort(np.argsort(first[names >= 0]))
-    return number[np.searchsorted(names, labels)]
+    numbers = np.empty_like(labels)
+    numbers[in_time] = in_order_of_sight(labels[in_time], labels[in_time] >= 0)
+    return numbers

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from npslam_teach import se2
+from npslam_teach.association import first_observations
 from npslam_teach.association.gibbs import GibbsSampler
 from npslam_teach.association.partition_posterior import log_posterior
 from npslam_teach.association.split_merge import displaced
@@ -83,7 +84,7 @@ def _in_pieces(model: Model, labels: np.ndarray, graph: PoseGraph) -> tuple[Mode
     """Tracklets cut by labels (M,), the graph reduced to them, and the object of each piece (N,)."""
     piece, of_piece = pieces(model.tracklet, labels)
     landmarks = mean_landmarks(piece, se2.apply(graph.poses[model.log.obs_time], model.log.obs_xy))
-    together = labels[np.unique(piece, return_index=True)[1]]
+    together = labels[first_observations(piece)]
     landmarks[together >= 0] = graph.landmarks[together[together >= 0]]
     factors = observation_factors(model.log, piece, model.log.observation_std)
     reduced = reduced_system(replace(graph, landmarks=landmarks, observations=factors))

@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.association import require_alpha, same_partition
+from npslam_teach.association import first_observations, require_alpha, same_partition
 from npslam_teach.methods.annealing import COLD, TEMPERATURES, Model, State, anneal, rivals_of, settled, solved
 from npslam_teach.methods.partition_score import with_whole_tracklets, without_displaced
 from npslam_teach.methods.repair import confirmed, cut_in_two, pieces, reassigned
@@ -124,7 +124,7 @@ def repaired(model: Model, state: State, rng: np.random.Generator) -> tuple[Mode
     """
     tied = model.tracklet
     halves = cut_in_two(model.log, state.graph.poses, state.graph.landmarks, tied)
-    of_half = model.of_observations(state.labels)[np.unique(halves, return_index=True)[1][int((halves < 0).any()) :]]
+    of_half = model.of_observations(state.labels)[first_observations(halves)]
     model, state = _descended(model, state, halves, of_half, WARM, rng)
     for _ in range(REPAIR_ROUNDS):
         before = model.of_observations(state.labels)
@@ -205,9 +205,8 @@ def _tied_anew(model: Model, graph: PoseGraph, tracklet: np.ndarray) -> tuple[Mo
 
 def _objects(model: Model, state: State) -> tuple[np.ndarray, np.ndarray]:
     """Where the objects are, (K, 2) m, W, and of which class, (K,)."""
-    first = np.unique(state.labels, return_index=True)[1]
-    seen = np.unique(model.tracklet, return_index=True)[1][int((model.tracklet < 0).any()) :]
-    return state.graph.landmarks[first], model.log.obs_class[seen[first]]
+    first = first_observations(state.labels)
+    return state.graph.landmarks[first], model.log.obs_class[first_observations(model.tracklet)[first]]
 
 
 def in_time(log: RobotLog) -> tuple[RobotLog, np.ndarray]:

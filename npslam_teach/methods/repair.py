@@ -3,7 +3,7 @@
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.association import one_to_one
+from npslam_teach.association import first_observations, in_order_of_sight, one_to_one
 from npslam_teach.methods.gating import GATE, frames_of
 from npslam_teach.pose_graph import squared_radius
 from npslam_teach.types import PoseGraph, RobotLog
@@ -24,13 +24,18 @@ def reassigned(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, object_c
         (M,) index of the object; -1 = beyond the gate of all that are free.
     """
     labels, gate = np.full(log.num_observations, -1), squared_radius(REPAIR_GATE)
-    expected = se2.apply_inverse(poses[log.obs_time][:, None], landmarks)
-    squared = (((log.obs_xy[:, None] - expected) / log.observation_std) ** 2).sum(axis=2)
+    squared = _squared_residuals(log, np.arange(log.num_observations)[:, None], poses, landmarks)
     squared[log.obs_class[:, None] != object_class] = np.inf
     for observations in frames_of(log):
         if len(observations):
             labels[observations] = one_to_one(squared[observations], gate)
     return np.where(labels < len(object_class), labels, -1)
+
+
+def _squared_residuals(log: RobotLog, which, poses: np.ndarray, landmarks: np.ndarray) -> np.ndarray:
+    """How far observations lie from where landmarks (..., 2) would be seen, squared, in standard deviations."""
+    expected = se2.apply_inverse(poses[log.obs_time[which]], landmarks)
+    return (((log.obs_xy[which] - expected) / log.observation_std) ** 2).sum(axis=-1)
 
 
 def cut_in_two(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, tracklet: np.ndarray) -> np.ndarray:
@@ -63,15 +68,6 @@ def _greatest_change(off: np.ndarray) -> int:
     return int(significance.argmax()) + 1 if len(before) else 0
 
 
-def in_order_of_sight(keys: np.ndarray, used: np.ndarray) -> np.ndarray:
-    """Observations of equal keys (M, d) get one number, from 0 in the order of the log; -1 where not used (M,)."""
-    numbers = np.full(len(keys), -1)
-    if used.any():
-        _, first, inverse = np.unique(keys[used], axis=0, return_index=True, return_inverse=True)
-        numbers[used] = np.argsort(np.argsort(first))[inverse.ravel()]
-    return numbers
-
-
 def pieces(tracklet: np.ndarray, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Cut tracklets where their observations turn out to be of several objects.
 
@@ -84,8 +80,8 @@ def pieces(tracklet: np.ndarray, labels: np.ndarray) -> tuple[np.ndarray, np.nda
     """
     alone = (tracklet < 0) | (labels < 0)
     keys = np.column_stack([tracklet, labels, np.where(alone, np.arange(len(labels)), -1)])
-    piece = in_order_of_sight(keys, np.full(len(labels), True))
-    of_piece = labels[np.unique(piece, return_index=True)[1]]
+    piece = in_order_of_sight(keys)
+    of_piece = labels[first_observations(piece)]
     of_piece[of_piece < 0] = len(labels) + np.arange(np.count_nonzero(of_piece < 0))
     return piece, np.unique(of_piece, return_inverse=True)[1]
 
@@ -103,8 +99,7 @@ def outlier_share(log: RobotLog, graph: PoseGraph, labels: np.ndarray) -> float:
     used = np.flatnonzero(labels >= 0)
     if len(used) == 0:
         return 0.0
-    expected = se2.apply_inverse(graph.poses[log.obs_time[used]], graph.landmarks[labels[used]])
-    squared = (((log.obs_xy[used] - expected) / log.observation_std) ** 2).sum(axis=1)
+    squared = _squared_residuals(log, used, graph.poses, graph.landmarks[labels[used]])
     typical = np.median(squared) / squared_radius(0.5)
     chance = 1 - GATE
     share = np.mean(squared > squared_radius(GATE) * typical)
@@ -136,12 +131,11 @@ def confirmed(log: RobotLog, graph: PoseGraph, labels: np.ndarray, tracklet: np.
         free = kept[alike & ~np.isin(kept, found[log.obs_time == log.obs_time[k]])]
         if len(free):
             means = np.array([places[found == i].mean(axis=0) for i in free])
-            off = (se2.apply_inverse(graph.poses[log.obs_time[k]], means) - log.obs_xy[k]) / log.observation_std
-            squared = (off**2).sum(axis=1)
+            squared = _squared_residuals(log, k, graph.poses, means)
             found[k] = free[squared.argmin()] if squared.min() < squared_radius(REPAIR_GATE) else -1
     return without_gaps(found)
 
 
 def without_gaps(labels: np.ndarray) -> np.ndarray:
     """The same objects (M,), numbered from 0 without gaps; -1 stays."""
-    return in_order_of_sight(labels[:, None], labels >= 0)
+    return in_order_of_sight(labels, labels >= 0)

@@ -7,11 +7,12 @@ Castellanos, Martinez-Cantin, Tardos and Neira, "Robocentric map joining", 2007)
 forgotten; seen again it begins another tracklet. Which tracklets are of one object is for ``association.gibbs`` to say.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from npslam_teach import se2
+from npslam_teach.association import in_order_of_sight
 from npslam_teach.methods.gating import (
     GATE,
     NEW,
@@ -22,7 +23,6 @@ from npslam_teach.methods.gating import (
     squared_gates,
     squared_mahalanobis,
 )
-from npslam_teach.methods.repair import in_order_of_sight
 from npslam_teach.types import RobotLog
 
 LONGEST_GAP = 10  # poses out of sight after which an object is forgotten
@@ -81,12 +81,15 @@ def tied_both_ways(log: RobotLog, **settings) -> np.ndarray:
     return in_order_of_sight(np.column_stack([forwards, backwards]), (forwards >= 0) & (backwards >= 0))
 
 
+@dataclass(frozen=True, eq=False)
 class _Surroundings:
     """What is in view: where each tracklet's object stands in the frame of the robot, and how sure that is."""
 
-    def __init__(self, tracklet, object_class, last_seen, xy, cov):
-        self.tracklet, self.object_class, self.last_seen = tracklet, object_class, last_seen  # (K,)
-        self.xy, self.cov = xy, cov  # (K, 2) m; (2K, 2K) m^2
+    tracklet: np.ndarray  # (K,)
+    object_class: np.ndarray  # (K,)
+    last_seen: np.ndarray  # (K,) pose
+    xy: np.ndarray  # (K, 2) m
+    cov: np.ndarray  # (2K, 2K) m^2
 
     @classmethod
     def empty(cls):
@@ -107,7 +110,7 @@ class _Surroundings:
         by_step[:, :, 2] = np.column_stack([xy[:, 1], -xy[:, 0]])
         by_step = by_step.reshape(-1, 3)
         cov = turned + (by_step * odometry_std**2) @ by_step.T
-        return _Surroundings(self.tracklet, self.object_class, self.last_seen, xy, cov)
+        return replace(self, xy=xy, cov=cov)
 
     def seen_since(self, time: int) -> "_Surroundings":
         """Without those that were seen last before a pose."""
@@ -134,7 +137,7 @@ class _Surroundings:
         state = self.xy.ravel() + gain @ (xy - self.xy[which]).ravel()
         cov, last_seen = self.cov - gain @ self.cov[both], self.last_seen.copy()
         last_seen[which] = time
-        return _Surroundings(self.tracklet, self.object_class, last_seen, state.reshape(-1, 2), (cov + cov.T) / 2)
+        return replace(self, last_seen=last_seen, xy=state.reshape(-1, 2), cov=(cov + cov.T) / 2)
 
     def joined_by(self, tracklet, xy, object_class, noise: np.ndarray, time: int) -> "_Surroundings":
         """With new objects, which stand where they are seen."""

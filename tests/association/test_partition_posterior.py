@@ -14,7 +14,7 @@ from npslam_teach.association.partition_posterior import (
     log_prior,
     plain_weights,
 )
-from npslam_teach.association.split_merge import merge_objects, split_or_merge
+from npslam_teach.association.split_merge import displaced, merge_objects, split_or_merge
 
 
 def evidence_of(rng, count=6, largest=9) -> TrackletEvidence:
@@ -192,3 +192,14 @@ def test_mergers_end_where_no_merger_pays(seed):
         for j in range(i):
             merged = np.unique(np.where(labels == i, j, labels), return_inverse=True)[1]
             assert log_posterior(evidence, merged) <= here + 1e-8
+
+
+def test_what_joined_a_displaced_object_goes_along_with_it():
+    """A second sight of the chair 0.4 m off, and a third 0.4 m farther: the third joins the second, and both the chair."""
+    places, information = np.array([[0.0, 0.0], [0.4, 0.0], [0.8, 0.0]]), 1e6 * np.eye(6)
+    vector, rivals = information @ places.ravel(), np.zeros((3, 3), dtype=bool)
+    constant = float(places.ravel() @ vector)
+    evidence = TrackletEvidence(constant, vector, information, np.array([100, 5, 2]), rivals, 1.0, 100.0)
+    sampler = GibbsSampler(evidence, np.arange(3), np.random.default_rng(0))
+    assert displaced(sampler, 0.05, np.diag([0.04, 0.04])).tolist() == [0, 0, 0]
+    assert displaced(sampler, 1e-9, np.diag([0.04, 0.04])).tolist() == [0, 1, 2]

@@ -57,6 +57,11 @@ def test_a_recording_of_mrclam_is_the_robot_that_was_written(tmp_path):
         ("Robot1_Odometry", "1 2 x\n1 2 3", "Robot1_Odometry.dat: expected numbers only"),
         ("Robot1_Odometry", "# nothing", "Robot1_Odometry.dat: expected at least two lines of numbers, got 0"),
         ("Robot1_Measurement", "1 60 1 0\n2 60 1 0", "expected a landmark in view while the robot drives"),
+        (
+            "Robot1_Groundtruth",
+            "1 0 0 0\n2 0 0 0",
+            "Robot1_Groundtruth.dat: expected the pose at two sights or more, got 0",
+        ),
         ("Landmark_Groundtruth", "6 0 0 1 1\n7 1 1 1 1", "expected subject 9, which is seen"),
     ],
 )
@@ -87,6 +92,14 @@ def test_a_graph_of_known_landmarks_is_a_log_that_hides_them(tmp_path):
     np.testing.assert_allclose(hidden.obs_xy, log.obs_xy, atol=1e-9)
     np.testing.assert_allclose(hidden.odometry_std, log.odometry_std)
     assert hidden.num_classes == 1
+
+
+@pytest.mark.parametrize("option", ["--robot", "--classes"])
+def test_an_option_of_another_format_is_refused(tmp_path, refused, option):
+    log, truth = simulate.toy_objects()
+    datasets.save_log(tmp_path / "run.csv", log, truth)
+    said = refused("import", "csv", tmp_path / "run.csv", option, "2", "--out", tmp_path / "run.npz")
+    assert "--robot and --classes: expected with mrclam only, got csv" in said
 
 
 def test_victoria_park(data_folder):

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from npslam_teach import se2, simulate
-from npslam_teach.methods.repair import cut_in_two, in_order_of_sight, pieces
+from npslam_teach.association import in_order_of_sight
+from npslam_teach.methods.repair import cut_in_two, pieces
 from npslam_teach.methods.tracklets import LONGEST_GAP, _Surroundings, tied_both_ways, tracklets
 from npslam_teach.types import RobotLog
 

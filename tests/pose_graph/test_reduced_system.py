@@ -1,5 +1,7 @@
 """A pose graph without its poses: its chi2 is that of the linear problem in which the poses are free."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -31,8 +33,6 @@ def test_at_the_landmarks_of_the_graph_it_is_the_least_that_poses_can_reach(grap
 
 def test_its_minimum_is_a_step_of_gauss_newton(graph):
     rng = np.random.default_rng(1)
-    from dataclasses import replace
-
     start = replace(graph, landmarks=graph.landmarks + rng.normal(0, 0.05, graph.landmarks.shape))
     reduced = reduced_system(start)
     best = np.linalg.solve(reduced.information, reduced.vector).reshape(-1, 2)
@@ -44,15 +44,11 @@ def test_its_minimum_is_a_step_of_gauss_newton(graph):
 def test_a_linear_problem_has_the_chi2_of_the_solver():
     """No turn is uncertain: then the least chi2 for given landmarks is that of the solver, to the last digits."""
     log, truth = simulate.fifteen_objects(0)
-    from dataclasses import replace
-
     log = replace(log, odometry_std=(0.02, 0.02, 1e-6))
     graph = fit(log, np.unique(truth.obs_object, return_inverse=True)[1])
     assert reduced_system(graph).chi2(graph.landmarks) == pytest.approx(chi2(graph), rel=1e-9)
 
 
 def test_what_is_fixed_but_pose_0_is_refused(graph):
-    from dataclasses import replace
-
     with pytest.raises(ValueError, match="graph: expected pose 0 to be fixed and nothing else"):
         reduced_system(replace(graph, fixed_landmarks=(0,)))

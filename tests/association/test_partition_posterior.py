@@ -195,7 +195,7 @@ def test_mergers_end_where_no_merger_pays(seed):
 
 
 def test_what_joined_a_displaced_object_goes_along_with_it():
-    """A second sight of the chair 0.4 m off, and a third 0.4 m farther: the third joins the second, and both the chair."""
+    """A second sight of the chair 0.4 m off, a third 0.4 m farther: the third joins the second, and both the chair."""
     places, information = np.array([[0.0, 0.0], [0.4, 0.0], [0.8, 0.0]]), 1e6 * np.eye(6)
     vector, rivals = information @ places.ravel(), np.zeros((3, 3), dtype=bool)
     constant = float(places.ravel() @ vector)

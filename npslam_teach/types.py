@@ -8,7 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from npslam_teach.validation import checked_array, require_positive, require_range, require_semidefinite
+from npslam_teach.validation import (
+    checked_array,
+    require_definite,
+    require_positive,
+    require_range,
+    require_semidefinite,
+)
 
 CLUTTER, UNKNOWN = -1, -2  # what the true object of an observation can be, besides an index
 
@@ -49,9 +55,8 @@ class SensorModel:
     clutter_rate: float = 0.0
 
     def __post_init__(self):
-        _set(self, "odometry_std", (3,))
-        _set(self, "observation_std", (2,))
-        for name in ("odometry_std", "observation_std"):
+        for name, size in (("odometry_std", 3), ("observation_std", 2)):
+            _set(self, name, (size,))
             if (getattr(self, name) < 0).any():
                 raise ValueError(f"{name}: expected non-negative numbers, got {getattr(self, name).tolist()}")
         for name in ("max_range", "field_of_view", "clutter_rate"):
@@ -71,7 +76,10 @@ class SensorModel:
 
 @dataclass(frozen=True, eq=False)
 class RobotLog:
-    """All that an estimator may see. It holds no identity and no truth."""
+    """All that an estimator may see. It holds no identity and no truth.
+
+    Where steps or observations carry covariances of their own, the standard deviations are the typical ones.
+    """
 
     odometry: np.ndarray  # (T-1, 3), R_{t+1} in R_t: m, m, rad
     obs_time: np.ndarray  # (M,) index of the pose that saw it, in [0, T)
@@ -81,6 +89,8 @@ class RobotLog:
     odometry_std: np.ndarray  # (3,) m, m, rad
     observation_std: np.ndarray  # (2,) m
     class_names: tuple | None = None  # num_classes names, for people only
+    odometry_cov: np.ndarray | None = None  # (T-1, 3, 3) m, m, rad: of each step, in the order of its numbers
+    observation_cov: np.ndarray | None = None  # (M, 2, 2) m^2: of each observation, in R_t
 
     def __post_init__(self):
         _set(self, "odometry", (None, 3))
@@ -96,6 +106,10 @@ class RobotLog:
         require_range("obs_class", self.obs_class, 0, self.num_classes, "a class index")
         require_positive("odometry_std", self.odometry_std)
         require_positive("observation_std", self.observation_std)
+        for name, count, size in (("odometry_cov", len(self.odometry), 3), ("observation_cov", len(self.obs_time), 2)):
+            if getattr(self, name) is not None:
+                _set(self, name, (count, size, size))
+                require_definite(name, getattr(self, name))
         if self.class_names is not None and len(self.class_names) != self.num_classes:
             raise ValueError(f"class_names: expected {self.num_classes} names, got {len(self.class_names)}")
 
@@ -194,27 +208,21 @@ class PoseGraph:
             raise ValueError("poses: expected at least one pose, got none")
         if len(self.fixed_poses) + len(self.fixed_landmarks) == 0:
             raise ValueError("fixed_poses: expected at least one fixed pose or landmark, got none")
-        for name, ids, variables in (
-            ("pose_ids", self.pose_ids, self.poses),
-            ("landmark_ids", self.landmark_ids, self.landmarks),
-        ):
+        for name, variables in (("pose_ids", self.poses), ("landmark_ids", self.landmarks)):
+            ids = getattr(self, name)
             if ids is not None and len(ids) != len(variables):
                 raise ValueError(f"{name}: expected {len(variables)} ids, got {len(ids)}")
         self._require_indices()
 
     def _require_indices(self) -> None:
-        for name, index, high, what in (
-            ("between.i", self.between.i, len(self.poses), "the index of a pose"),
-            ("between.j", self.between.j, len(self.poses), "the index of a pose"),
-            ("observations.pose", self.observations.pose, len(self.poses), "the index of a pose"),
-            (
-                "observations.landmark",
-                self.observations.landmark,
-                len(self.landmarks),
-                "the index of a landmark",
-            ),
-            ("fixed_poses", self.fixed_poses, len(self.poses), "the index of a pose"),
-            ("fixed_landmarks", self.fixed_landmarks, len(self.landmarks), "the index of a landmark"),
+        pose, landmark = (len(self.poses), "the index of a pose"), (len(self.landmarks), "the index of a landmark")
+        for name, index, (high, what) in (
+            ("between.i", self.between.i, pose),
+            ("between.j", self.between.j, pose),
+            ("observations.pose", self.observations.pose, pose),
+            ("observations.landmark", self.observations.landmark, landmark),
+            ("fixed_poses", self.fixed_poses, pose),
+            ("fixed_landmarks", self.fixed_landmarks, landmark),
         ):
             require_range(name, index, 0, high, what)
 

@@ -62,6 +62,16 @@ def require_positive(name: str, value: np.ndarray) -> None:
         raise ValueError(f"{name}: expected positive numbers, got {value.tolist()}")
 
 
+def require_definite(name: str, covariance: np.ndarray) -> None:
+    """Raise ``ValueError`` unless every matrix (n, d, d) is symmetric and positive definite."""
+    symmetric = np.abs(covariance - covariance.swapaxes(1, 2)) <= 1e-9 * np.abs(covariance)
+    least = np.linalg.eigvalsh(covariance)[:, 0] if len(covariance) else np.ones(0)
+    bad = np.flatnonzero(~symmetric.all(axis=(1, 2)) | (least <= 0))
+    if bad.size:
+        matrix = covariance[bad[0]].tolist()
+        raise ValueError(f"{name}: expected symmetric positive definite matrices, got {matrix} at {bad[0]}")
+
+
 def require_semidefinite(name: str, information: np.ndarray) -> None:
     """Raise ``ValueError`` unless every matrix is symmetric and positive semidefinite."""
     if information.size == 0:

@@ -12,9 +12,11 @@ One file has the columns ``kind, time, x, y, theta, class, object``, in any orde
     true_object       object class [x y]            a real object: m, m
 
 ``time`` counts poses from 0. A class is a number from 0 or a name; an object has any name, ``clutter`` is none, and an
-empty one is unknown. A folder holds the same without the column ``kind``: ``odometry.csv``, ``observations.csv`` and
-``sensor.csv`` (with ``kind``: the standard deviations and the classes), and ``true_poses.csv`` and ``true_objects.csv``
-where there is a truth. Columns are separated by commas, semicolons or tabs; a line that begins with # is a comment.
+empty one is unknown. Where every step, or every observation, has a covariance of its own, rows of that kind carry it in
+the columns ``cov_xx, cov_xy, cov_yy`` (m^2) and, of a step, ``cov_xt, cov_yt, cov_tt`` (m rad, rad^2). A folder holds
+the same without the column ``kind``: ``odometry.csv``, ``observations.csv`` and ``sensor.csv`` (with ``kind``: the
+standard deviations and the classes), and ``true_poses.csv`` and ``true_objects.csv`` where there is a truth. Columns
+are separated by commas, semicolons or tabs; a line that begins with # is a comment.
 """
 
 import csv
@@ -30,6 +32,11 @@ from npslam_teach.system.files import atomic_write, shorten
 from npslam_teach.types import CLUTTER, UNKNOWN
 
 COLUMNS = ("kind", "time", "x", "y", "theta", "class", "object")
+COVARIANCES = {  # by kind of row: the upper triangle, row by row
+    "odometry": ("cov_xx", "cov_xy", "cov_xt", "cov_yy", "cov_yt", "cov_tt"),
+    "observation": ("cov_xx", "cov_xy", "cov_yy"),
+}
+KNOWN_COLUMNS = (*COLUMNS, *COVARIANCES["odometry"])
 USES = {
     "odometry_std": ("x", "y", "theta"),
     "observation_std": ("x", "y"),
@@ -67,9 +74,9 @@ def read_csv_log(path) -> dict:
                 raise FileNotFoundError(f"{path}: expected the files {', '.join(NEEDED)}, found no {name}")
         for name, kind in FILES.items():
             if (Path(path) / name).is_file():
-                _sort(read_rows(Path(path) / name, COLUMNS), kind, rows)
+                _sort(read_rows(Path(path) / name, KNOWN_COLUMNS), kind, rows)
     else:
-        _sort(read_rows(path, COLUMNS), None, rows)
+        _sort(read_rows(path, KNOWN_COLUMNS), None, rows)
     return _log_fields(path, rows) | _true_fields(rows)
 
 
@@ -102,11 +109,25 @@ def _log_fields(path, rows: dict) -> dict:
         "odometry_std": np.array(rows["odometry_std"][0].numbers("x", "y", "theta")),
         "observation_std": np.array(rows["observation_std"][0].numbers("x", "y")),
     }
+    in_order = {"odometry": [in_time[k] for k in range(len(steps))], "observation": seen}
+    fields |= {f"{kind}_cov": cov for kind, own in in_order.items() if (cov := _covariances(own, kind)) is not None}
     if names != [str(c) for c in range(len(names))]:
         fields["class_names"] = np.array(names)
     if rows["true_object"]:
         fields["object_class"] = np.array(classes[len(seen) :], dtype=int)
     return fields
+
+
+def _covariances(rows: list[Row], kind: str) -> np.ndarray | None:
+    """The covariance of every row (n, d, d); None where no row has one."""
+    columns = COVARIANCES[kind]
+    if not any(row.text.get(column) for row in rows for column in columns):
+        return None
+    size = 3 if kind == "odometry" else 2
+    cov, upper = np.empty((len(rows), size, size)), np.triu_indices(size)
+    cov[:, *upper] = [row.numbers(*columns) for row in rows]
+    cov.swapaxes(1, 2)[:, *upper] = cov[:, *upper]
+    return cov
 
 
 def _by_name(rows: list[Row], names: list, column: str) -> dict:
@@ -163,7 +184,9 @@ def _true_fields(rows: dict) -> dict:
 def write_csv_log(path, fields: dict) -> None:
     """Write the fields of a log, see ``log_fields.fields_of``, as one file that ``read_csv_log`` reads back exactly."""
     stream = io.StringIO()
-    writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
+    kinds = [kind for kind in COVARIANCES if f"{kind}_cov" in fields]
+    more = max((COVARIANCES[kind] for kind in kinds), key=len, default=())
+    writer = csv.DictWriter(stream, (*COLUMNS, *more), lineterminator="\n")
     writer.writeheader()
     writer.writerows(_written(fields))
     with atomic_write(path) as file:
@@ -176,17 +199,26 @@ def _written(fields: dict) -> Iterator[dict]:
     for kind in ("odometry_std", "observation_std"):
         yield _row(kind, fields[kind])
     yield from ({"kind": "class", "class": name} for name in names)
-    for time, step in enumerate(fields["odometry"]):
-        yield _row("odometry", step, time=time)
+    for time, (step, cov) in enumerate(zip(fields["odometry"], _written_covariances(fields, "odometry"), strict=True)):
+        yield _row("odometry", step, time=time) | cov
     true_object = fields.get("true_object", np.full(len(fields["obs_time"]), UNKNOWN)).tolist()
     seen = zip(fields["obs_time"], fields["obs_xy"], fields["obs_class"], true_object, strict=True)
-    for time, xy, c, k in seen:
-        yield _row("observation", xy, time=time) | {"class": names[c], "object": objects.get(k, k)}
+    for (time, xy, c, k), cov in zip(seen, _written_covariances(fields, "observation"), strict=True):
+        yield _row("observation", xy, time=time) | {"class": names[c], "object": objects.get(k, k)} | cov
     for time, pose in enumerate(fields.get("true_poses", ())):
         if not np.isnan(pose[:2]).any():
             yield _row("true_pose", pose, time=time)
     for k, xy in enumerate(fields.get("object_xy", ())):
         yield _row("true_object", xy) | {"class": names[fields["object_class"][k]], "object": k}
+
+
+def _written_covariances(fields: dict, kind: str) -> list[dict]:
+    """For every row of a kind, what stands in the columns of its covariance; nothing where it has none."""
+    cov = fields.get(f"{kind}_cov")
+    if cov is None:
+        return [{}] * len(fields["odometry" if kind == "odometry" else "obs_xy"])
+    upper = cov[:, *np.triu_indices(cov.shape[1])]
+    return [{name: repr(value) for name, value in zip(COVARIANCES[kind], row, strict=True)} for row in upper.tolist()]
 
 
 def _row(kind: str, numbers, **more) -> dict:

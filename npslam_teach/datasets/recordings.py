@@ -49,20 +49,10 @@ def load_mrclam(folder, robot: int = 1, num_classes: int = 5) -> tuple[RobotLog,
     number = np.array([subject.get(int(code), 0) for code in seen[:, 1]], dtype=int)
     inside = (number >= FIRST_LANDMARK) & (seen[:, 0] >= wheels[0, 0]) & (seen[:, 0] <= wheels[-1, 0])
     seen, number = seen[inside], number[inside] - FIRST_LANDMARK
+    landmarks = landmarks[np.argsort(landmarks[:, 0]), 1:3]
     with prefix_errors(folder):
-        if len(seen) == 0:
-            raise ValueError(f"Robot{robot}_Measurement.dat: expected a landmark in view while the robot drives")
-        if number.max() >= len(landmarks):
-            unknown = number.max() + FIRST_LANDMARK
-            raise ValueError(
-                f"Landmark_Groundtruth.dat: expected subject {unknown}, which is seen, among its landmarks"
-            )
-        known = (seen[:, 0] >= truth[0, 0]) & (seen[:, 0] <= truth[-1, 0])
-        if len(np.unique(seen[known, 0])) < 2:
-            raise ValueError(
-                f"Robot{robot}_Groundtruth.dat: expected the pose at two sights or more, got {known.sum()}"
-            )
-        return _log_of(wheels, seen, number, truth, landmarks[np.argsort(landmarks[:, 0]), 1:3], num_classes)
+        _require_truth(robot, seen, number, truth, len(landmarks))
+        return _log_of(wheels, seen, number, truth, landmarks, num_classes)
 
 
 def load_hidden(path) -> tuple[RobotLog, GroundTruth]:
@@ -91,6 +81,18 @@ def load_hidden(path) -> tuple[RobotLog, GroundTruth]:
         log = RobotLog(between.relative_pose[order], seen.pose, seen.xy, zeros, 1, *stds)
         world = World(graph.landmarks, np.zeros(len(graph.landmarks), dtype=int), ("landmark",))
         return log, GroundTruth(world, graph.poses, seen.landmark)
+
+
+def _require_truth(robot: int, seen, number, truth, num_landmarks: int) -> None:
+    """Raise ``ValueError`` unless landmarks are seen, all of them known, some while the pose is."""
+    if len(seen) == 0:
+        raise ValueError(f"Robot{robot}_Measurement.dat: expected a landmark in view while the robot drives")
+    if number.max() >= num_landmarks:
+        unknown = number.max() + FIRST_LANDMARK
+        raise ValueError(f"Landmark_Groundtruth.dat: expected subject {unknown}, which is seen, among its landmarks")
+    known = (seen[:, 0] >= truth[0, 0]) & (seen[:, 0] <= truth[-1, 0])
+    if len(np.unique(seen[known, 0])) < 2:
+        raise ValueError(f"Robot{robot}_Groundtruth.dat: expected the pose at two sights or more, got {known.sum()}")
 
 
 def _log_of(wheels, seen, number, truth, places, num_classes: int) -> tuple[RobotLog, GroundTruth]:

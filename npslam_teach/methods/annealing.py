@@ -95,7 +95,7 @@ def settled(model: Model, state: State, rng: np.random.Generator) -> State:
 def solved(model: Model, graph: PoseGraph, labels: np.ndarray, steps: int = 2) -> tuple[PoseGraph, float]:
     """A few steps of the solver for a partition; the graph keeps one landmark for every tracklet. And its chi2."""
     first = first_observations(labels)
-    factors = observation_factors(model.log, model.of_observations(labels), model.log.observation_std)
+    factors = observation_factors(model.log, model.of_observations(labels))
     joined = replace(graph, landmarks=graph.landmarks[first], observations=factors)
     *_, last = levenberg_marquardt(joined, max_iterations=steps)
     return replace(graph, poses=last.graph.poses, landmarks=last.graph.landmarks[labels]), last.chi2

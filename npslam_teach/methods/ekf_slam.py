@@ -14,6 +14,7 @@ import numpy as np
 from npslam_teach.association import in_order_of_sight
 from npslam_teach.methods.block_filter import Belief
 from npslam_teach.methods.gating import GATE, NEW, NEW_GATE, UNASSIGNED, assign, frames_of, squared_gates
+from npslam_teach.methods.noise import observation_covariances, step_covariances, with_noise
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
 from npslam_teach.pose_graph import observation_factors, odometry_factors
 from npslam_teach.system.progress import track
@@ -74,11 +75,11 @@ def ekf_slam(
         at the end. Observations that were left out have label -1. Its chi2 is large, because such a path jumps wherever
         the filter corrected itself; ``pose_graph.fit`` with its labels smooths it.
     """
-    odometry_std, observation_std = _noise(log, odometry_std, observation_std)
+    log = with_noise(log, odometry_std, observation_std)
     squared_gates(gate, new_gate)
-    yield initial_snapshot(log, odometry_std, observation_std)
-    record = run_filter(log, gate, new_gate, odometry_std=odometry_std, observation_std=observation_std)
-    factors = odometry_factors(log, odometry_std), observation_factors(log, record.labels, observation_std)
+    yield initial_snapshot(log)
+    record = run_filter(log, gate, new_gate)
+    factors = odometry_factors(log), observation_factors(log, record.labels)
     yield snapshot(log, 1, record.labels, PoseGraph(record.poses, record.landmarks, *factors))
 
 
@@ -126,15 +127,17 @@ def filter_steps(
     Yields:
         one step for every pose.
     """
-    odometry_std, observation_std = _noise(log, odometry_std, observation_std)
+    log = with_noise(log, odometry_std, observation_std)
+    step_cov, sight_cov = step_covariances(log), observation_covariances(log)
     bounds, frames = squared_gates(gate, new_gate), frames_of(log)
     known_labels = None if labels is None else _in_order_of_sight(labels, frames)
     belief, object_class = Belief.at_origin(), np.zeros(0, dtype=int)
     for time, observations in enumerate(frames):
         if time > 0:
-            belief = belief.predicted(log.odometry[time - 1], odometry_std)
+            belief = belief.predicted(log.odometry[time - 1], step_cov[time - 1])
         prior, seen_class = belief, log.obs_class[observations]
-        distance = prior.squared_distances(log.obs_xy[observations], observation_std)
+        xy, noise = log.obs_xy[observations], sight_cov[observations]
+        distance = prior.squared_distances(xy, noise)
         if known_labels is None:
             distance[seen_class[:, None] != object_class] = np.inf
             decision = assign(distance, *bounds)
@@ -142,30 +145,20 @@ def filter_steps(
             decision = np.where(known_labels[observations] < len(object_class), known_labels[observations], NEW)
         is_new = decision == NEW
         numbered = np.where(is_new, len(object_class) + np.cumsum(is_new) - 1, decision)
-        belief, nis = _absorb(prior, decision, log.obs_xy[observations], observation_std)
+        belief, nis = _absorb(prior, decision, xy, noise)
         before, after = (prior.mean, prior.cov), (belief.mean, belief.cov)
         yield FilterStep(time, observations, *before, object_class, distance, decision, numbered, nis, *after)
         object_class = np.append(object_class, seen_class[is_new])
 
 
-def _absorb(belief: Belief, decision: np.ndarray, xy: np.ndarray, observation_std: np.ndarray) -> tuple[Belief, float]:
+def _absorb(belief: Belief, decision: np.ndarray, xy: np.ndarray, noise: np.ndarray) -> tuple[Belief, float]:
     """The belief after the matches and then the new objects of a frame; NIS of the matches, NaN without any."""
     matched, nis = decision >= 0, math.nan
     if matched.any():
-        belief, nis = belief.updated(decision[matched], xy[matched], observation_std)
+        belief, nis = belief.updated(decision[matched], xy[matched], noise[matched])
     for k in np.flatnonzero(decision == NEW):
-        belief = belief.with_new_object(xy[k], observation_std)
+        belief = belief.with_new_object(xy[k], noise[k])
     return belief, nis
-
-
-def _noise(log: RobotLog, odometry_std, observation_std) -> tuple[np.ndarray, np.ndarray]:
-    """What the filter assumes: as given, or as the log says."""
-    given = (("odometry_std", odometry_std, (3,)), ("observation_std", observation_std, (2,)))
-    found = [getattr(log, name) if std is None else checked_array(name, std, shape) for name, std, shape in given]
-    for (name, _, _), std in zip(given, found, strict=True):
-        if not (std > 0).all():
-            raise ValueError(f"{name}: expected positive numbers, got {std.tolist()}")
-    return found[0], found[1]
 
 
 def _in_order_of_sight(labels: np.ndarray, frames: list[np.ndarray]) -> np.ndarray:

@@ -86,7 +86,7 @@ def _in_pieces(model: Model, labels: np.ndarray, graph: PoseGraph) -> tuple[Mode
     landmarks = mean_landmarks(piece, se2.apply(graph.poses[model.log.obs_time], model.log.obs_xy))
     together = labels[first_observations(piece)]
     landmarks[together >= 0] = graph.landmarks[together[together >= 0]]
-    factors = observation_factors(model.log, piece, model.log.observation_std)
+    factors = observation_factors(model.log, piece)
     reduced = reduced_system(replace(graph, landmarks=landmarks, observations=factors))
     return model._replace(tracklet=piece, rivals=rivals_of(model.log, piece)), reduced, of_piece
 

@@ -19,6 +19,7 @@ import numpy as np
 from npslam_teach import se2
 from npslam_teach.association import first_observations, require_alpha, same_partition
 from npslam_teach.methods.annealing import COLD, TEMPERATURES, Model, State, anneal, rivals_of, settled, solved
+from npslam_teach.methods.noise import with_noise
 from npslam_teach.methods.partition_score import with_whole_tracklets, without_displaced
 from npslam_teach.methods.repair import confirmed, cut_in_two, pieces, reassigned
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
@@ -64,13 +65,13 @@ def posterior(
     if area is not None and not 0 < area < float("inf"):
         raise ValueError(f"area: expected a positive number of square metres, got {area}")
     log = with_noise(log, odometry_std, observation_std)
-    yield initial_snapshot(log, log.odometry_std, log.observation_std)
+    yield initial_snapshot(log)
     if log.num_observations == 0:
         return
     # The order of the lines in a file says nothing; the same log gives the same answer in any order.
     ordered, back = in_time(log)
     for iteration, (labels, graph) in enumerate(_search(ordered, alpha, area, int(starts), seed), 1):
-        graph = with_associations(log, graph, labels[back], graph.landmarks, log.observation_std)
+        graph = with_associations(log, graph, labels[back], graph.landmarks)
         yield snapshot(log, iteration, labels[back], graph)
 
 
@@ -198,7 +199,7 @@ def _descended(model: Model, state: State, tracklet, labels, temperatures, rng) 
 def _tied_anew(model: Model, graph: PoseGraph, tracklet: np.ndarray) -> tuple[Model, PoseGraph]:
     """The model with other tracklets (M,), and the graph with a landmark for each where it was seen."""
     log, places = model.log, se2.apply(graph.poses[model.log.obs_time], model.log.obs_xy)
-    factors = observation_factors(log, tracklet, log.observation_std)
+    factors = observation_factors(log, tracklet)
     graph = replace(graph, landmarks=mean_landmarks(tracklet, places), observations=factors)
     return model._replace(tracklet=tracklet, rivals=rivals_of(log, tracklet)), graph
 
@@ -213,10 +214,5 @@ def in_time(log: RobotLog) -> tuple[RobotLog, np.ndarray]:
     """The log with its observations in the order of the poses, in a frame by place; (M,) the way back."""
     order = np.lexsort((log.obs_xy[:, 1], log.obs_xy[:, 0], log.obs_time))
     fields = {name: getattr(log, name)[order] for name in ("obs_time", "obs_xy", "obs_class")}
-    return replace(log, **fields), np.argsort(order)
-
-
-def with_noise(log: RobotLog, odometry_std, observation_std) -> RobotLog:
-    """The log with other standard deviations, where they are given."""
-    given = {"odometry_std": odometry_std, "observation_std": observation_std}
-    return replace(log, **{name: std for name, std in given.items() if std is not None})
+    cov = None if log.observation_cov is None else log.observation_cov[order]
+    return replace(log, **fields, observation_cov=cov), np.argsort(order)

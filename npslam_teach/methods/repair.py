@@ -4,7 +4,7 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.association import first_observations, in_order_of_sight, one_to_one
-from npslam_teach.methods.gating import GATE, frames_of
+from npslam_teach.methods.gating import GATE, frames_of, squared_mahalanobis
 from npslam_teach.pose_graph import squared_radius
 from npslam_teach.types import PoseGraph, RobotLog
 
@@ -34,8 +34,10 @@ def reassigned(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, object_c
 
 def _squared_residuals(log: RobotLog, which, poses: np.ndarray, landmarks: np.ndarray) -> np.ndarray:
     """How far observations lie from where landmarks (..., 2) would be seen, squared, in standard deviations."""
-    expected = se2.apply_inverse(poses[log.obs_time[which]], landmarks)
-    return (((log.obs_xy[which] - expected) / log.observation_std) ** 2).sum(axis=-1)
+    off = log.obs_xy[which] - se2.apply_inverse(poses[log.obs_time[which]], landmarks)
+    if log.observation_cov is None:
+        return ((off / log.observation_std) ** 2).sum(axis=-1)
+    return squared_mahalanobis(off, log.observation_cov[which])
 
 
 def cut_in_two(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, tracklet: np.ndarray) -> np.ndarray:

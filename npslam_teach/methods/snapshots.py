@@ -12,11 +12,11 @@ PAPER_OBSERVATION_STD = (0.5, 0.5)  # m: and per observation; the sensor itself 
 
 
 def initial_snapshot(
-    log: RobotLog, odometry_std, observation_std, alpha: float | None = None, area: float = 1.0
+    log: RobotLog, odometry_std=None, observation_std=None, alpha: float | None = None, area: float = 1.0
 ) -> Snapshot:
     """Snapshot 0: dead reckoning from the origin, and every observation an object where it was seen.
 
-    Args: as in ``snapshot``; the standard deviations, (3,) and (2,), are what chi2 is measured with.
+    Args: as in ``snapshot``; the standard deviations, (3,) and (2,), are what chi2 is measured with; None: the log's.
     """
     poses = se2.dead_reckoning(log.odometry)
     graph = PoseGraph(

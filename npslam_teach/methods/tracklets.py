@@ -23,6 +23,7 @@ from npslam_teach.methods.gating import (
     squared_gates,
     squared_mahalanobis,
 )
+from npslam_teach.methods.noise import block_diagonal, observation_covariances, step_covariances
 from npslam_teach.types import RobotLog
 
 LONGEST_GAP = 10  # poses out of sight after which an object is forgotten
@@ -34,7 +35,7 @@ def tracklets(
     """Tie observations to those shortly before them.
 
     Args:
-        log: what the robot measured; its noise counts.
+        log: what the robot measured; its noise counts, that of each step and observation if it says so.
         gate: the share of right matches that is let through, see ``ekf_slam``.
         new_gate: an observation beyond this of everything in view begins a tracklet; one between the two gates is left
             out.
@@ -43,22 +44,24 @@ def tracklets(
     Returns:
         (M,) index of the tracklet, in the order of first sight; -1 = left out.
     """
-    gates, noise = squared_gates(gate, new_gate), np.diag(log.observation_std**2)
+    gates, step_cov = squared_gates(gate, new_gate), step_covariances(log)
+    sight_cov = observation_covariances(log)
     labels, count = np.full(log.num_observations, UNASSIGNED), 0
     nearby = _Surroundings.empty()
     for time, observations in enumerate(frames_of(log)):
         if time > 0:
-            nearby = nearby.after_step(log.odometry[time - 1], log.odometry_std).seen_since(time - longest_gap)
+            nearby = nearby.after_step(log.odometry[time - 1], step_cov[time - 1]).seen_since(time - longest_gap)
         if len(observations) == 0:
             continue
         xy, seen_class = log.obs_xy[observations], log.obs_class[observations]
+        noise = sight_cov[observations]
         decision = assign(nearby.squared_distances(xy, seen_class, noise), *gates)
         matched, is_new = decision >= 0, decision == NEW
         labels[observations[matched]] = nearby.tracklet[decision[matched]]
         labels[observations[is_new]] = count + np.arange(np.count_nonzero(is_new))
         count += np.count_nonzero(is_new)
-        nearby = nearby.updated(decision[matched], xy[matched], noise, time)
-        nearby = nearby.joined_by(labels[observations[is_new]], xy[is_new], seen_class[is_new], noise, time)
+        nearby = nearby.updated(decision[matched], xy[matched], noise[matched], time)
+        nearby = nearby.joined_by(labels[observations[is_new]], xy[is_new], seen_class[is_new], noise[is_new], time)
     return labels
 
 
@@ -77,7 +80,8 @@ def tied_both_ways(log: RobotLog, **settings) -> np.ndarray:
     """
     forwards = tracklets(log, **settings)
     steps, times = se2.inverse(log.odometry[::-1]), log.num_poses - 1 - log.obs_time
-    backwards = tracklets(replace(log, odometry=steps, obs_time=times), **settings)
+    cov = None if log.odometry_cov is None else log.odometry_cov[::-1]  # of the step there, about that of the way back
+    backwards = tracklets(replace(log, odometry=steps, obs_time=times, odometry_cov=cov), **settings)
     return in_order_of_sight(np.column_stack([forwards, backwards]), (forwards >= 0) & (backwards >= 0))
 
 
@@ -96,7 +100,7 @@ class _Surroundings:
         nothing = np.zeros(0, dtype=int)
         return cls(nothing, nothing, nothing, np.zeros((0, 2)), np.zeros((0, 0)))
 
-    def after_step(self, step: np.ndarray, odometry_std: np.ndarray) -> "_Surroundings":
+    def after_step(self, step: np.ndarray, step_cov: np.ndarray) -> "_Surroundings":
         """The same objects from the next pose; the error of the step is common to them all."""
         if len(self.xy) == 0:
             return self
@@ -109,7 +113,7 @@ class _Surroundings:
         by_step[:, :, :2] = -turn
         by_step[:, :, 2] = np.column_stack([xy[:, 1], -xy[:, 0]])
         by_step = by_step.reshape(-1, 3)
-        cov = turned + (by_step * odometry_std**2) @ by_step.T
+        cov = turned + by_step @ step_cov @ by_step.T
         return replace(self, xy=xy, cov=cov)
 
     def seen_since(self, time: int) -> "_Surroundings":
@@ -124,8 +128,8 @@ class _Surroundings:
     def squared_distances(self, xy: np.ndarray, seen_class: np.ndarray, noise: np.ndarray) -> np.ndarray:
         """Squared Mahalanobis distance of observations (m, 2) to the objects, (m, K); infinite for another class."""
         count = len(self.xy)
-        own = self.cov.reshape(count, 2, count, 2)[np.arange(count), :, np.arange(count)] + noise
-        distance = squared_mahalanobis(xy[:, None] - self.xy, own)
+        own = self.cov.reshape(count, 2, count, 2)[np.arange(count), :, np.arange(count)]
+        distance = squared_mahalanobis(xy[:, None] - self.xy, own + noise[:, None])
         return np.where(seen_class[:, None] == self.object_class, distance, np.inf)
 
     def updated(self, which: np.ndarray, xy: np.ndarray, noise: np.ndarray, time: int) -> "_Surroundings":
@@ -133,7 +137,7 @@ class _Surroundings:
         if len(which) == 0:
             return self
         both = (2 * which[:, None] + [0, 1]).ravel()
-        gain = np.linalg.solve(self.cov[np.ix_(both, both)] + np.kron(np.eye(len(which)), noise), self.cov[both]).T
+        gain = np.linalg.solve(self.cov[np.ix_(both, both)] + block_diagonal(noise), self.cov[both]).T
         state = self.xy.ravel() + gain @ (xy - self.xy[which]).ravel()
         cov, last_seen = self.cov - gain @ self.cov[both], self.last_seen.copy()
         last_seen[which] = time
@@ -145,7 +149,7 @@ class _Surroundings:
             return self
         old, new = len(self.cov), 2 * len(tracklet)
         cov = np.zeros((old + new, old + new))
-        cov[:old, :old], cov[old:, old:] = self.cov, np.kron(np.eye(len(tracklet)), noise)
+        cov[:old, :old], cov[old:, old:] = self.cov, block_diagonal(noise)
         last_seen = np.append(self.last_seen, np.full(len(tracklet), time))
         ids, classes = np.append(self.tracklet, tracklet), np.append(self.object_class, object_class)
         return _Surroundings(ids, classes, last_seen, np.concatenate([self.xy, xy]), cov)

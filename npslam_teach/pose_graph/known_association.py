@@ -19,19 +19,17 @@ def fit(log: RobotLog, labels, poses=None, odometry_std=None, observation_std=No
         log: what was measured.
         labels: (M,) index of the object of each observation, from 0 without gaps; -1 leaves the observation out.
         poses: (T, 3) W, from which the solver sets out; None: dead reckoning.
-        odometry_std: (3,) m, m, rad, what the solver assumes per step; None: what the log says.
+        odometry_std: (3,) m, m, rad, what the solver assumes per step; None: what the log says, of each if it does.
         observation_std: (2,) m, and per observation; None: what the log says.
     """
     labels = np.asarray(labels, dtype=int)
     poses = se2.dead_reckoning(log.odometry) if poses is None else poses
-    odometry_std = log.odometry_std if odometry_std is None else odometry_std
-    observation_std = log.observation_std if observation_std is None else observation_std
     obs_xy_world = se2.apply(poses[log.obs_time], log.obs_xy)
     factors = odometry_factors(log, odometry_std), observation_factors(log, labels, observation_std)
     return optimize(PoseGraph(poses, mean_landmarks(labels, obs_xy_world), *factors))
 
 
-def with_associations(log: RobotLog, graph: PoseGraph, labels, landmarks, observation_std) -> PoseGraph:
+def with_associations(log: RobotLog, graph: PoseGraph, labels, landmarks, observation_std=None) -> PoseGraph:
     """The same trajectory, and every observation tied to the object it is now thought to be of.
 
     Args:
@@ -39,22 +37,30 @@ def with_associations(log: RobotLog, graph: PoseGraph, labels, landmarks, observ
         graph: whose poses and odometry factors are kept.
         labels: (M,) index of the object of each observation; -1 leaves the observation out.
         landmarks: (K, 2) m, W: where the objects are to start.
-        observation_std: (2,) m.
+        observation_std: (2,) m; None: what the log says.
     """
     return replace(graph, landmarks=landmarks, observations=observation_factors(log, labels, observation_std))
 
 
-def odometry_factors(log: RobotLog, odometry_std) -> BetweenFactors:
-    """The chain of odometry: one factor from every pose to the next."""
+def odometry_factors(log: RobotLog, odometry_std=None) -> BetweenFactors:
+    """The chain of odometry: one factor from every pose to the next; the noise is the log's unless it is given."""
     steps = np.arange(len(log.odometry))
-    information = np.broadcast_to(_information("odometry_std", odometry_std, 3), (len(steps), 3, 3))
+    if odometry_std is None and log.odometry_cov is not None:
+        information = np.linalg.inv(log.odometry_cov)
+    else:
+        std = log.odometry_std if odometry_std is None else odometry_std
+        information = np.broadcast_to(_information("odometry_std", std, 3), (len(steps), 3, 3))
     return BetweenFactors(steps, steps + 1, log.odometry, information)
 
 
-def observation_factors(log: RobotLog, labels: np.ndarray, observation_std) -> ObservationFactors:
-    """One factor for every observation that belongs to an object."""
+def observation_factors(log: RobotLog, labels: np.ndarray, observation_std=None) -> ObservationFactors:
+    """One factor for every observation that belongs to an object; the noise is the log's unless it is given."""
     used = np.flatnonzero(labels >= 0)
-    information = np.broadcast_to(_information("observation_std", observation_std, 2), (len(used), 2, 2))
+    if observation_std is None and log.observation_cov is not None:
+        information = np.linalg.inv(log.observation_cov[used])
+    else:
+        std = log.observation_std if observation_std is None else observation_std
+        information = np.broadcast_to(_information("observation_std", std, 2), (len(used), 2, 2))
     return ObservationFactors(log.obs_time[used], labels[used], log.obs_xy[used], information)
 
 

@@ -41,6 +41,34 @@ def test_log_and_truth_come_back_exactly(tmp_path, seed):
     assert loaded[0].class_names == truth.world.class_names
 
 
+@pytest.mark.parametrize("suffix", [".csv", ".npz"])
+@pytest.mark.parametrize("which", [("odometry_cov",), ("observation_cov",), ("odometry_cov", "observation_cov")])
+def test_covariances_of_single_steps_and_observations_come_back(tmp_path, suffix, which):
+    rng = np.random.default_rng(0)
+    log, truth = small_run(rng)
+    roots = {"odometry_cov": rng.normal(size=(len(log.odometry), 3, 3))}
+    roots["observation_cov"] = rng.normal(size=(log.num_observations, 2, 2))
+    log = replace(log, **{name: roots[name] @ roots[name].swapaxes(1, 2) for name in which})
+    datasets.save_log(tmp_path / f"run{suffix}", log, truth)
+    loaded, _ = datasets.load_log(tmp_path / f"run{suffix}")
+    for name in roots:
+        if name in which:
+            np.testing.assert_array_equal(getattr(loaded, name), getattr(log, name))
+        else:
+            assert getattr(loaded, name) is None
+
+
+def test_a_covariance_that_is_none_or_is_not_whole_is_named(tmp_path):
+    head, *rows = SMALL.splitlines()
+    rows = [f"{row},{'' if 'observation,' not in row else '1,0,1'}" for row in rows]
+    text = "\n".join([f"{head},cov_xx,cov_xy,cov_yy", *rows])
+    assert load(tmp_path, text)[0].observation_cov.tolist() == [np.eye(2).tolist()] * 3
+    with pytest.raises(ValueError, match="observation_cov: expected symmetric positive definite matrices, got .* at 1"):
+        load(tmp_path, text.replace("cup,,1,0,1", "cup,,1,2,1"))
+    with pytest.raises(ValueError, match="line 7: cov_xy: expected a number, got ''"):
+        load(tmp_path, text.replace("cup,,1,0,1", "cup,,1,,1"))
+
+
 def test_a_class_that_is_never_seen_comes_back(tmp_path):
     log, _ = small_run(np.random.default_rng(0))
     log = replace(log, num_classes=7)

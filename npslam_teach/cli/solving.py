@@ -10,7 +10,8 @@ from npslam_teach.association import PAPER_ALPHA, same_partition
 from npslam_teach.cli.posterior_report import samples_result
 from npslam_teach.evaluation import refitted_objective
 from npslam_teach.methods import METHODS, paper_settings, sample_posterior, settings_for
-from npslam_teach.methods.posterior import FEW, with_noise
+from npslam_teach.methods.noise import with_noise
+from npslam_teach.methods.posterior import FEW
 from npslam_teach.methods.snapshots import snapshot
 from npslam_teach.pose_graph import fit
 from npslam_teach.system.progress import track
@@ -91,6 +92,10 @@ def remarks(options, log: RobotLog, settings: dict, found: experiments.Run) -> N
     starts = settings.get("starts", METHODS[options.method].settings.get("starts"))
     if options.method == "posterior" and searches_of(found) == starts:
         text = f"all {starts} searches were needed, and the best partition may not have been found twice; see --starts"
+        warnings.warn(text, stacklevel=2)
+    carried = [name for name in ("odometry_cov", "observation_cov") if getattr(log, name) is not None]
+    if carried and METHODS[options.method].settings["odometry_std"] is not None:
+        text = f"{options.method} assumes one noise for all: {' and '.join(carried)} of the log have no effect"
         warnings.warn(text, stacklevel=2)
     threshold, most = settings.get("threshold"), 1 / (1 + alpha)  # of the probability that two observations are one
     if options.method == "np-graph" and threshold is not None and threshold >= most:

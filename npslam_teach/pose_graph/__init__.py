@@ -11,7 +11,7 @@ machinery.
 """
 
 from npslam_teach.pose_graph.certificate import Certificate, certify
-from npslam_teach.pose_graph.covariance import joint_covariance, marginal_covariance, squared_radius
+from npslam_teach.pose_graph.covariance import joint_covariance, marginal_covariance, mean_leverages, squared_radius
 from npslam_teach.pose_graph.fill_in import factor_pattern, in_three_orders
 from npslam_teach.pose_graph.gauss_newton import Iteration, gauss_newton
 from npslam_teach.pose_graph.incremental import IncrementalSolver
@@ -57,6 +57,7 @@ __all__ = [
     "linearize",
     "marginal_covariance",
     "mean_landmarks",
+    "mean_leverages",
     "minimize",
     "observation_factors",
     "observation_jacobians",

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from npslam_teach.pose_graph.block_sparsity import FIXED
+from npslam_teach.pose_graph.factor_kinds import FACTOR_KINDS
 from npslam_teach.pose_graph.factorization import factorizer
 from npslam_teach.pose_graph.linearization import graph_structure, normal_equations, residuals
 from npslam_teach.pose_graph.observability import require_factors, require_observable
@@ -104,3 +105,31 @@ def _inverse_blocks(solve, unknowns: np.ndarray, num_unknowns: int, batch: int =
         columns = solution[wanted, np.arange(len(wanted))[:, None], :]
         covariance[begin : begin + batch] = np.where(free[:, :, None], columns, 0.0)
     return 0.5 * (covariance + covariance.swapaxes(1, 2))
+
+
+def mean_leverages(graph: PoseGraph, most: int = 300) -> list[np.ndarray]:
+    """How much of the error of a measured number the fit takes up: the mean diagonal of ``J H^-1 J^T Omega``.
+
+    Over all factors these shares add up to the number of unknowns; what is left over is seen in the residuals.
+
+    Args:
+        graph: at its minimum; information without correlations counts by its diagonal.
+        most: factors of a kind for which it is worked out, evenly spaced; it differs little among them.
+
+    Returns:
+        for every kind of factor (d,), 0 to 1; nothing (0) where there is no factor.
+    """
+    solve, unknowns, found = _solver_of(graph), unknowns_of(graph), []
+    for kind in FACTOR_KINDS:
+        ends, information = kind.ends(graph), kind.information(graph)
+        some = np.unique(np.linspace(0, len(information) - 1, min(len(information), most)).astype(int))
+        jacobians = np.zeros((len(some), information.shape[1], unknowns.count))
+        for end, jacobian in zip(ends, kind.jacobians(*(end.estimate[some] for end in ends)), strict=True):
+            where = unknowns.of(end.variable, end.index[some], end.estimate.shape[1])
+            free = where[:, 0] != FIXED
+            rows, numbers = np.arange(len(some))[free, None, None], np.arange(information.shape[1])[:, None]
+            jacobians[rows, numbers, where[free][:, None]] = jacobian[free]
+        solved = solve(jacobians.reshape(-1, unknowns.count).T).T.reshape(jacobians.shape)
+        leverage = (jacobians * solved).sum(axis=2) * np.diagonal(information[some], axis1=1, axis2=2)
+        found.append(leverage.mean(axis=0) if len(some) else np.zeros(information.shape[1]))
+    return found

@@ -63,8 +63,13 @@ def import_recording(options) -> int:
     """Turn a recording into a log, and say what it holds."""
     from npslam_teach import datasets
 
+    truth, remarks = None, []
     if options.format == "mrclam":
         log, truth = datasets.load_mrclam(options.path, options.robot, options.classes)
+    elif options.format == "rosbag":
+        names = "odometry_topic detection_topic depth_topic camera_info_topic mount optical min_score".split()
+        names += ["odometry_std", "observation_std"]
+        log, remarks = datasets.load_rosbag(options.path, **{name: getattr(options, name) for name in names})
     elif options.format == "victoria-park":
         log, truth = datasets.load_hidden(options.path)
     else:
@@ -72,6 +77,7 @@ def import_recording(options) -> int:
     datasets.save_log(options.out, log, truth)
     classes = "one class" if log.num_classes == 1 else f"{log.num_classes} classes"
     print(f"{options.out}: {log.num_poses} poses, {log.num_observations} observations of {classes}")
+    print(*remarks, sep="\n", end="\n" if remarks else "")
     return 0
 
 

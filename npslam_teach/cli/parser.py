@@ -10,6 +10,7 @@ import sys
 import warnings
 
 from npslam_teach import __version__
+from npslam_teach.cli.import_options import add_import_options
 from npslam_teach.cli.option_types import count, index, method, method_names, methods, number, numbers, port
 from npslam_teach.system.progress import progress_shown
 
@@ -185,38 +186,7 @@ def _add_settings(solve) -> None:
 
 
 def _add_import(subparsers) -> None:
-    recording = _add(subparsers, "import", "turn a recording of a real robot into a log")
-    text = "mrclam: the text files of that data set; victoria-park: any .g2o of known landmarks; csv: our tables; "
-    text += "rosbag: odometry and detections of ROS 1 or 2"
-    recording.add_argument("format", choices=("mrclam", "victoria-park", "csv", "rosbag"), help=text)
-    recording.add_argument("path", metavar="PATH", help="a folder or a file")
-    text = "the log to write: .npz, or .csv; identities are hidden, and stand in its truth"
-    recording.add_argument("--out", metavar="LOG", required=True, help=text)
-    recording.add_argument("--robot", type=count, default=1, metavar="N", help="mrclam: which (default 1)")
-    text = "mrclam: a landmark's class is its number modulo C (default 5); 1: all look alike"
-    recording.add_argument("--classes", type=count, default=5, metavar="C", help=text)
-    _add_rosbag(recording.add_argument_group("rosbag", "A topic need be named only where the bag has several."))
-
-
-def _add_rosbag(group) -> None:
-    """What a bag does not say itself."""
-    group.add_argument("--odometry-topic", metavar="TOPIC", help="nav_msgs/Odometry")
-    text = "vision_msgs/Detection3DArray or Detection2DArray (default: boxes in space before those in pictures)"
-    group.add_argument("--detection-topic", metavar="TOPIC", help=text)
-    text = "for boxes in pictures: sensor_msgs/Image, 32FC1 or 16UC1, registered to them"
-    group.add_argument("--depth-topic", metavar="TOPIC", help=text)
-    group.add_argument("--camera-info-topic", metavar="TOPIC", help="and sensor_msgs/CameraInfo")
-    text = "where the sensor is on the robot: m ahead, m left, rad (default: as /tf_static says, else 0 0 0)"
-    group.add_argument("--mount", type=number, nargs=3, metavar=("X", "Y", "YAW"), help=text)
-    text = "whether z is ahead in the sensor's frame, or x (default: by its name, ..._optical_frame)"
-    group.add_argument("--optical", action=argparse.BooleanOptionalAction, default=None, help=text)
-    text = "leave out what the detector is less sure of (default 0)"
-    group.add_argument("--min-score", type=number, default=0.0, metavar="S", help=text)
-    text = "how much a step errs: m,m,rad (default: a tenth of the typical step)"
-    group.add_argument("--odometry-std", type=numbers(3), metavar="X,Y,T", help=text)
-    group.add_argument(
-        "--observation-std", type=numbers(2), metavar="X,Y", help="and a sighting: m,m (default 0.1,0.1)"
-    )
+    add_import_options(_add(subparsers, "import", "turn a recording of a real robot into a log"))
 
 
 def _add_optimize(subparsers) -> None:

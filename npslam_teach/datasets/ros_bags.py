@@ -65,10 +65,10 @@ def load_rosbag(
         ValueError: rosbags is not installed, the bag is damaged, a topic is missing or ambiguous, nothing was detected
             while there is odometry, depth images are of an unknown encoding.
     """
-    if mount is not None:
-        mount = checked_array("mount", mount, (3,))
     dropped = Counter()
     with prefix_errors(path), open_bag(path) as bag:
+        if mount is not None:
+            mount = checked_array("mount", mount, (3,))
         odometry_topic = bag.topic_of(odometry_topic, ODOMETRY, "--odometry-topic")
         detection_topic = _detection_topic(bag, detection_topic)
         time, poses, base, remarks = _driven(bag, odometry_topic, dropped)

@@ -16,6 +16,7 @@ from npslam_teach.validation import LARGEST
 BOXES_2D, BOXES_3D = ("vision_msgs/msg/Detection2DArray",), ("vision_msgs/msg/Detection3DArray",)
 IMAGE, CAMERA = ("sensor_msgs/msg/Image",), ("sensor_msgs/msg/CameraInfo",)
 ENCODINGS = {"32FC1": ("f4", 1.0), "16UC1": ("u2", 0.001), "mono16": ("u2", 0.001)}  # type, m per unit
+LEAST_FOCAL = 1e-3  # px; what is below was never a camera
 SAME_TIME = 50_000_000  # ns between a picture's boxes and its depth
 
 
@@ -159,7 +160,7 @@ def _camera(bag: Bag, topic: str) -> tuple[Intrinsics, str, bool]:
         raise ValueError(f"{topic}: expected a message with the camera's matrix, got none")
     k = np.asarray(message.k if hasattr(message, "k") else message.K, dtype=float).reshape(3, 3)
     distortion = message.d if hasattr(message, "d") else message.D
-    if not (np.isfinite(k).all() and k[0, 0] > 0 and k[1, 1] > 0):
+    if not ((np.abs(k) < LARGEST).all() and min(k[0, 0], k[1, 1]) > LEAST_FOCAL):
         raise ValueError(f"{topic}: expected a matrix K with focal lengths above zero, got {shorten(k.tolist())}")
     camera = Intrinsics(int(message.width), int(message.height), k[0, 0], k[1, 1], k[0, 2], k[1, 2])
     return camera, message.header.frame_id, bool(np.any(distortion))
@@ -180,7 +181,7 @@ def _metres(image, intrinsics: Intrinsics, topic: str) -> np.ndarray:
         raise ValueError(f"{topic}: expected {image.height} rows of at least {row} bytes, got {len(data)} bytes")
     rows = data[: image.step * image.height].reshape(image.height, image.step)[:, :row]
     depth = np.ascontiguousarray(rows).view(kind).astype(float) * unit
-    return np.where(np.isfinite(depth) & (depth > 0), depth, 0.0)
+    return np.where((depth > 0) & (depth < LARGEST), depth, 0.0)
 
 
 def _points(depth: np.ndarray, boxes: np.ndarray, intrinsics: Intrinsics) -> np.ndarray:

@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from npslam_teach.datasets.ros_messages import Bag
+from npslam_teach.validation import LARGEST
 
 TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 STATIC_TOPIC = "/tf_static"
@@ -51,8 +52,10 @@ def mounting(bag: Bag, sensor: str, robot: str, mount, optical: bool | None) -> 
 def rotation_of(quaternion) -> np.ndarray:
     """The rotation (3, 3) of a quaternion with any length; NaN for one without a length."""
     q = np.array([quaternion.w, quaternion.x, quaternion.y, quaternion.z], dtype=float)
-    length = np.linalg.norm(q)
-    w, x, y, z = q / length if length > 0 and np.isfinite(length) else np.full(4, np.nan)
+    largest = np.abs(q).max()  # squares of the largest numbers do not exist
+    if not 0 < largest < np.inf:
+        return np.full((3, 3), np.nan)
+    w, x, y, z = (q / largest) / np.linalg.norm(q / largest)
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -72,12 +75,10 @@ def _static_transform(bag: Bag, sensor: str, robot: str) -> np.ndarray | None:
             matrix, shift = np.eye(4), each.transform.translation
             matrix[:3, :3] = rotation_of(each.transform.rotation)
             matrix[:3, 3] = shift.x, shift.y, shift.z
-            parents[each.child_frame_id.strip("/")] = each.header.frame_id.strip("/"), matrix
+            if (np.abs(matrix) < LARGEST).all():
+                parents[each.child_frame_id.strip("/")] = each.header.frame_id.strip("/"), matrix
     (top, sensor_in_top), (robots_top, robot_in_top) = _up(sensor, parents), _up(robot, parents)
-    if top != robots_top:
-        return None
-    matrix = np.linalg.inv(robot_in_top) @ sensor_in_top if np.isfinite(robot_in_top).all() else robot_in_top
-    return matrix if np.isfinite(matrix).all() else None
+    return np.linalg.inv(robot_in_top) @ sensor_in_top if top == robots_top else None
 
 
 def _up(frame: str, parents: dict) -> tuple[str, np.ndarray]:

@@ -10,9 +10,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from npslam_teach.system.files import shorten
 
 REQUIREMENT = "rosbags>=0.11"  # the extra `ros` of pyproject.toml
+MOST_CHARACTERS = 160  # of rosbags' own words in an error
 # Names and order of the fields, which is all that a definition says. The detections' `id` is not read anywhere: a
 # tracker's opinion of who is who is what a log must not hold.
 _VISION_MSGS = {
@@ -147,7 +147,8 @@ def _one_sentence(where: str = ""):
     try:
         yield
     except Exception as error:
-        reason = shorten(f"{type(error).__name__}: {' '.join(map(str, error.args))}".rstrip(": "), 160)
+        words = " ".join(f"{type(error).__name__}: {' '.join(map(str, error.args))}".rstrip(": .").split())
+        reason = words if len(words) <= MOST_CHARACTERS else words[:MOST_CHARACTERS] + "..."
         raise ValueError(f"expected a ROS bag that can be read, got{where} {reason}") from None
 
 

@@ -166,7 +166,10 @@ class Messages:
 
 @contextmanager
 def bag_writer(path, ros=2, storage="sqlite3"):
-    """A function ``write(topic, type, message, time)`` that adds to a new bag, and the maker of its messages; bytes are as they are."""
+    """A function ``write(topic, type, message, time)`` that adds to a new bag, and the maker of its messages.
+
+    A message that is bytes already is written as it is.
+    """
     messages, topics = Messages(ros), {}
     plugin = StoragePlugin.MCAP if storage == "mcap" else StoragePlugin.SQLITE3
     with Writer1(path) if ros == 1 else Writer2(path, version=9, storage_plugin=plugin) as bag:

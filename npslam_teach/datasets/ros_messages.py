@@ -10,7 +10,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-
 REQUIREMENT = "rosbags>=0.11"  # the extra `ros` of pyproject.toml
 MOST_CHARACTERS = 160  # of rosbags' own words in an error
 # Names and order of the fields, which is all that a definition says. The detections' `id` is not read anywhere: a

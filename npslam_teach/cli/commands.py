@@ -67,7 +67,7 @@ def import_recording(options) -> int:
     if options.format == "mrclam":
         log, truth = datasets.load_mrclam(options.path, options.robot, options.classes)
     elif options.format == "rosbag":
-        names = "odometry_topic detection_topic depth_topic camera_info_topic mount optical min_score".split()
+        names = "odometry_topic detection_topic depth_topic camera_info_topic mount optical min_score rate".split()
         names += ["odometry_std", "observation_std"]
         log, remarks = datasets.load_rosbag(options.path, **{name: getattr(options, name) for name in names})
     elif options.format == "victoria-park":

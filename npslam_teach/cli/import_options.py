@@ -33,6 +33,8 @@ def _add_rosbag(group) -> None:
     group.add_argument("--optical", action=argparse.BooleanOptionalAction, default=None, help=text)
     text = "leave out what the detector is less sure of (default 0)"
     group.add_argument("--min-score", type=number, default=0.0, metavar="S", help=text)
+    text = "at most so many messages with detections a second (default: all); each makes a pose"
+    group.add_argument("--rate", type=number, metavar="HZ", help=text)
     text = "how much a step errs: m,m,rad (default: a tenth of the typical step)"
     group.add_argument("--odometry-std", type=numbers(3), metavar="X,Y,T", help=text)
     group.add_argument(

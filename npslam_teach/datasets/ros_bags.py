@@ -36,6 +36,7 @@ def load_rosbag(
     mount=None,
     optical: bool | None = None,
     min_score: float = 0.0,
+    rate: float | None = None,
     odometry_std=None,
     observation_std=None,
 ) -> tuple[RobotLog, list[str]]:
@@ -54,6 +55,7 @@ def load_rosbag(
         mount: (3,) m, m, rad of the sensor in the robot's frame; None: as /tf_static says, else at its origin.
         optical: whether z is ahead in the sensor's frame; None: in ``..._optical_frame``, and of pictures.
         min_score: detections whose largest score is below are left out.
+        rate: at most so many messages with detections per second; None: all. Each makes a pose, and poses make work.
         odometry_std: (3,) m, m, rad per step; None: a tenth of the root mean square step, at least 5 mm and 5 mrad.
         observation_std: (2,) m; None: 0.1 m.
 
@@ -67,13 +69,15 @@ def load_rosbag(
     """
     dropped = Counter()
     with prefix_errors(path), open_bag(path) as bag:
-        if mount is not None:
-            mount = checked_array("mount", mount, (3,))
+        mount = None if mount is None else checked_array("mount", mount, (3,))
+        if rate is not None and not rate > 0:
+            raise ValueError(f"rate: expected a positive number of messages per second, got {rate}")
         odometry_topic = bag.topic_of(odometry_topic, ODOMETRY, "--odometry-topic")
         detection_topic = _detection_topic(bag, detection_topic)
         time, poses, base, remarks = _driven(bag, odometry_topic, dropped)
         remarks = [f"odometry of {odometry_topic}, detections of {detection_topic}", *remarks]
         seen = read_detections(bag, detection_topic, min_score, dropped)
+        seen = seen if rate is None else _thinned(seen, rate, dropped)
         if detection_topic in bag.topics(*BOXES_2D):
             seen, used = with_depth(bag, seen, depth_topic, camera_info_topic, dropped)
             remarks.append(used)
@@ -116,6 +120,20 @@ def _driven(bag: Bag, topic: str, dropped: Counter) -> tuple[np.ndarray, np.ndar
     heights = np.ptp(table[:, 3])
     flat = f"put on the floor: heights over {heights:.2f} m, roll and pitch up to {math.degrees(tilt):.1f} degrees"
     return time, table[:, :3], base, [flat] if heights > 1e-6 or tilt > 1e-6 else []
+
+
+def _thinned(seen: list[Seen], rate: float, dropped: Counter) -> list[Seen]:
+    """The first messages with detections of each ``1 / rate`` seconds, and those of the very same time."""
+    slots = [int((each.stamp - seen[0].stamp) * rate // SECOND) for each in seen]
+    first = {}
+    for each, slot in zip(seen, slots, strict=True):
+        if each.names:
+            first[slot] = min(each.stamp, first.get(slot, each.stamp))
+    kept = [each for each, slot in zip(seen, slots, strict=True) if first.get(slot) == each.stamp]
+    dropped[f"detections beyond {rate:g} messages a second"] = sum(len(s.names) for s in seen) - sum(
+        len(s.names) for s in kept
+    )
+    return kept
 
 
 def _optical_picture(seen: list[Seen], optical: bool | None) -> bool | None:

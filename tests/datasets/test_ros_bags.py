@@ -275,6 +275,17 @@ def test_a_gap_in_the_odometry_is_said(drive):
     assert "beware: 2 detections fall into gaps of the odometry longer than 1 s" in remarks
 
 
+def test_a_lower_rate_keeps_the_first_message_of_each_period(drive):
+    cup = ({"cup": 0.9}, 1, 0, 0)
+    times = [1.0, 1.1, 1.19, 1.31, 1.6, 2.05]
+    path = drive([boxes(at=0.9), boxes(cup, at=1.0), *(boxes(CHAIR, CHAIR, at=time) for time in times), boxes(at=1.55)])
+    log, remarks = datasets.load_rosbag(path, rate=4)
+    seen_from = se2.dead_reckoning(log.odometry)[log.obs_time, 0]
+    # Periods begin at 0.9, 1.15, 1.4, 1.65 and 1.9 s; the robot drives at 2 m/s.
+    np.testing.assert_allclose(seen_from, np.repeat(2 * np.array([1.0, 1.19, 1.6, 2.05]), [3, 2, 2, 2]), atol=1e-9)
+    assert "left out: 4 detections beyond 4 messages a second" in remarks
+
+
 # ---- where the sensor is ----
 
 
@@ -457,6 +468,7 @@ REFUSALS = {  # messages beside the odometry, options, words of the answer
     ),
     "size": ([LOOK, depth(WALL[:50]), camera()], [], "images of the camera's (640, 120) pixels, got (640, 50)"),
     "focal length": ([LOOK, WALLS, camera(focal=0)], [], "expected a matrix K with focal lengths above zero"),
+    "rate": ([THERE], ["--rate", "0"], "rate: expected a positive number of messages per second, got 0"),
     "mount": ([THERE], ["--mount", "0", "nan", "0"], "mount: expected finite numbers"),
     "standard deviation": ([THERE], ["--odometry-std", "0,1,1"], "odometry_std: expected positive numbers"),
 }

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 REQUIREMENT = "rosbags>=0.11"  # the extra `ros` of pyproject.toml
@@ -98,6 +99,8 @@ def open_bag(path) -> Iterator[Bag]:
     path = Path(path)
     if not path.exists():
         raise FileNotFoundError(f"{path}: no such file or folder")
+    if path.is_dir() and path.suffix == ".bag":
+        raise ValueError("expected a folder with another name, for .bag is the name of a file of ROS 1: rename it")
     defaults = _default_types()
     with _one_sentence():
         reader = AnyReader([path], default_typestore=defaults)
@@ -123,6 +126,7 @@ def _require_rosbags() -> None:
         raise ValueError(f"a ROS bag needs the package {REQUIREMENT}, which is not installed: {remedy}") from None
 
 
+@cache
 def _default_types():
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -145,6 +149,8 @@ def _one_sentence(where: str = ""):
     """Whatever rosbags meets in a damaged file - and each of its parts has exceptions of its own - in one sentence."""
     try:
         yield
+    except MemoryError:
+        raise ValueError(f"expected a ROS bag that can be read, got{where} a length that no file has") from None
     except Exception as error:
         words = " ".join(f"{type(error).__name__}: {' '.join(map(str, error.args))}".rstrip(": .").split())
         reason = words if len(words) <= MOST_CHARACTERS else words[:MOST_CHARACTERS] + "..."

@@ -518,6 +518,11 @@ def test_what_is_no_bag_is_refused(tmp_path, refused, name):
     assert f"{path}: expected a ROS bag that can be read, got" in said
 
 
+def test_a_folder_that_is_called_as_a_file_of_ros_1_is_refused(drive):
+    with pytest.raises(ValueError, match="run.bag: expected a folder with another name"):
+        datasets.load_rosbag(drive([THERE], name="run.bag"))
+
+
 def test_detections_of_another_layout_are_refused_where_no_definition_is_stored(drive):
     """As in a bag of Foxy: what is taken for vision_msgs 4 leaves some of the bytes over."""
 

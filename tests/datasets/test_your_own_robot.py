@@ -26,6 +26,7 @@ def blocks():
     return re.findall(r"^```(\w*)\n(.*?)^```$", GUIDE, re.M | re.S)
 
 
+@pytest.mark.slow
 def test_the_guide_works_from_top_to_bottom(tmp_path, monkeypatch, capsys):
     log, truth = small_log()
     write_run(tmp_path / "my_run", log)

@@ -6,6 +6,7 @@ check itself.
 
 import sqlite3
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -52,18 +53,23 @@ LAYOUT_OF_ROS = {
 }
 
 
+@cache
+def _types(ros):
+    types = {}
+    for name, text in (COMMON | LAYOUT_OF_ROS[ros]).items():
+        types |= get_types_from_msg(text, f"vision_msgs/msg/{name}")
+    if ros == 1:  # which rosbags does not know for ROS 1
+        types |= get_types_from_msg("geometry_msgs/TransformStamped[] transforms", TRANSFORMS)
+    store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
+    store.register(types)
+    return store
+
+
 class Messages:
     """Makes messages of one version of ROS out of plain numbers."""
 
     def __init__(self, ros):
-        self.ros, types = ros, {}
-        for name, text in (COMMON | LAYOUT_OF_ROS[ros]).items():
-            types |= get_types_from_msg(text, f"vision_msgs/msg/{name}")
-        self.store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
-        if ros == 1:  # which rosbags does not know for ROS 1
-            text = "geometry_msgs/TransformStamped[] transforms"
-            types |= get_types_from_msg(text, "tf2_msgs/msg/TFMessage")
-        self.store.register(types)
+        self.ros, self.store = ros, _types(ros)
 
     def make(self, name, *arguments):
         package, _, short = name.partition("/")

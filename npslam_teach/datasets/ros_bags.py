@@ -21,6 +21,7 @@ from npslam_teach.validation import LARGEST, checked_array
 ODOMETRY = ("nav_msgs/msg/Odometry",)
 SECOND = 1e9  # ns
 LONG_GAP = 1.0  # s; a pose inside of it is hardly more than a guess
+TOO_FAST = 10.0  # m/s; odometry that began anew, not a robot
 # Without anybody's word: a step errs by a tenth of the typical one, and by no less than a wheel that slips a little.
 STEP_SHARE, LEAST_STEP_STD, LEAST_TURN_STD = 0.1, 0.005, 0.005  # m, rad
 OBSERVATION_STD = (0.1, 0.1)  # m, that of the paper's sensor
@@ -70,7 +71,7 @@ def load_rosbag(
     dropped = Counter()
     with prefix_errors(path), open_bag(path) as bag:
         mount = None if mount is None else checked_array("mount", mount, (3,))
-        if rate is not None and not rate > 0:
+        if rate is not None and not 0 < rate < math.inf:
             raise ValueError(f"rate: expected a positive number of messages per second, got {rate}")
         odometry_topic = bag.topic_of(odometry_topic, ODOMETRY, "--odometry-topic")
         detection_topic = _detection_topic(bag, detection_topic)
@@ -117,9 +118,20 @@ def _driven(bag: Bag, topic: str, dropped: Counter) -> tuple[np.ndarray, np.ndar
         raise ValueError(f"{topic}: expected at least two poses with different time stamps, got {len(rows)}")
     time = np.array(sorted(rows))
     table = np.array([rows[stamp] for stamp in time.tolist()])
-    heights = np.ptp(table[:, 3])
-    flat = f"put on the floor: heights over {heights:.2f} m, roll and pitch up to {math.degrees(tilt):.1f} degrees"
-    return time, table[:, :3], base, [flat] if heights > 1e-6 or tilt > 1e-6 else []
+    return time, table[:, :3], base, _path_remarks(time, table, tilt)
+
+
+def _path_remarks(time: np.ndarray, table: np.ndarray, tilt: float) -> list[str]:
+    """What a path on the floor leaves out, and whether it is one: times (n,) ns, x y heading z (n, 4), rad."""
+    heights, remarks = np.ptp(table[:, 3]), []
+    if heights > 1e-6 or tilt > 1e-6:
+        leaning = f"roll and pitch up to {math.degrees(tilt):.1f} degrees"
+        remarks.append(f"put on the floor: heights over {heights:.2f} m, {leaning}")
+    speeds = np.hypot(*np.diff(table[:, :2], axis=0).T) / (np.diff(time) / SECOND)
+    jumps, fastest = int((speeds > TOO_FAST).sum()), speeds.max()
+    if jumps:
+        remarks.append(f"beware: jumps of the odometry at up to {fastest:.3g} m/s, {jumps} in all: did it begin anew?")
+    return remarks
 
 
 def _thinned(seen: list[Seen], rate: float, dropped: Counter) -> list[Seen]:
@@ -205,7 +217,7 @@ def _noise_remarks(log: RobotLog, odometry_std, observation_std) -> list[str]:
         told.append("odometry_std " + ",".join(f"{std:.3g}" for std in log.odometry_std) + " (a tenth of a step)")
     if observation_std is None:
         told.append("observation_std " + ",".join(f"{std:.3g}" for std in log.observation_std))
-    return [f"assumed: {' and '.join(told)}; the guide tells how to know better"] if told else []
+    return [f"assumed: {' and '.join(told)}; notebooks/your_own_robot.md tells how to know better"] if told else []
 
 
 def _gap_remarks(time: np.ndarray, stamps: np.ndarray) -> list[str]:

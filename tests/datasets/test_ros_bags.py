@@ -199,6 +199,14 @@ def test_odometry_that_cannot_be_used_is_counted(drive):
     assert "left out: 1 odometry messages of a time that another one has" in remarks
 
 
+def test_odometry_that_begins_anew_is_said(drive):
+    def anew(messages):
+        return "/odom", ODOMETRY, messages.odometry(BEGIN + 41 * FRAME, (0, 0, 0), UPRIGHT), BEGIN
+
+    _, remarks = datasets.load_rosbag(drive([THERE, anew]))
+    assert "beware: jumps of the odometry at up to 80 m/s, 1 in all: did it begin anew?" in remarks
+
+
 def test_what_nobody_gave_is_assumed_and_said(drive):
     log, remarks = datasets.load_rosbag(drive([boxes(CHAIR)]))
     np.testing.assert_allclose(log.odometry[:, 0], 0.2)
@@ -469,6 +477,7 @@ REFUSALS = {  # messages beside the odometry, options, words of the answer
     "size": ([LOOK, depth(WALL[:50]), camera()], [], "images of the camera's (640, 120) pixels, got (640, 50)"),
     "focal length": ([LOOK, WALLS, camera(focal=0)], [], "expected a matrix K with focal lengths above zero"),
     "rate": ([THERE], ["--rate", "0"], "rate: expected a positive number of messages per second, got 0"),
+    "endless rate": ([THERE], ["--rate", "inf"], "rate: expected a positive number of messages per second, got inf"),
     "mount": ([THERE], ["--mount", "0", "nan", "0"], "mount: expected finite numbers"),
     "standard deviation": ([THERE], ["--odometry-std", "0,1,1"], "odometry_std: expected positive numbers"),
 }

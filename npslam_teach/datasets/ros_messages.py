@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-REQUIREMENT = "rosbags>=0.11"  # the extra `ros` of pyproject.toml
+REQUIREMENT = "rosbags>=0.11.9"  # the extra `ros` of pyproject.toml
 MOST_CHARACTERS = 160  # of rosbags' own words in an error
 # Names and order of the fields, which is all that a definition says. The detections' `id` is not read anywhere: a
 # tracker's opinion of who is who is what a log must not hold.

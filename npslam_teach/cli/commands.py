@@ -62,13 +62,13 @@ def _draw_result(run, truth, folder: Path) -> None:
 def import_recording(options) -> int:
     """Turn a recording into a log, and say what it holds."""
     from npslam_teach import datasets
+    from npslam_teach.cli.import_options import given_options
 
-    of_mrclam = {"robot": options.robot, "num_classes": options.classes}
-    given = {name: value for name, value in of_mrclam.items() if value is not None}
+    given, truth, remarks = given_options(options), None, []
     if options.format == "mrclam":
         log, truth = datasets.load_mrclam(options.path, **given)
-    elif given:
-        raise ValueError(f"--robot and --classes: expected with mrclam only, got {options.format}")
+    elif options.format == "rosbag":
+        log, remarks = datasets.load_rosbag(options.path, **given)
     elif options.format == "victoria-park":
         log, truth = datasets.load_hidden(options.path)
     else:
@@ -76,6 +76,7 @@ def import_recording(options) -> int:
     datasets.save_log(options.out, log, truth)
     classes = "one class" if log.num_classes == 1 else f"{log.num_classes} classes"
     print(f"{options.out}: {log.num_poses} poses, {log.num_observations} observations of {classes}")
+    print(*remarks, sep="\n", end="\n" if remarks else "")
     return 0
 
 

@@ -10,6 +10,7 @@ import sys
 import warnings
 
 from npslam_teach import __version__
+from npslam_teach.cli.import_options import add_import_options
 from npslam_teach.cli.option_types import count, index, method, method_names, methods, number, numbers, port
 from npslam_teach.system.progress import progress_shown
 
@@ -185,15 +186,7 @@ def _add_settings(solve) -> None:
 
 
 def _add_import(subparsers) -> None:
-    recording = _add(subparsers, "import", "turn a recording of a real robot into a log")
-    text = "mrclam: the text files of that data set; victoria-park: any .g2o of known landmarks; csv: our tables"
-    recording.add_argument("format", choices=("mrclam", "victoria-park", "csv"), help=text)
-    recording.add_argument("path", metavar="PATH", help="a folder or a file")
-    text = "the log to write: .npz, or .csv; identities are hidden, and stand in its truth"
-    recording.add_argument("--out", metavar="LOG", required=True, help=text)
-    recording.add_argument("--robot", type=count, metavar="N", help="mrclam: which (default 1)")
-    text = "mrclam: a landmark's class is its number modulo C (default 5); 1: all look alike"
-    recording.add_argument("--classes", type=count, metavar="C", help=text)
+    add_import_options(_add(subparsers, "import", "turn a recording of a real robot into a log"))
 
 
 def _add_optimize(subparsers) -> None:

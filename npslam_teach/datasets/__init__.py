@@ -1,8 +1,8 @@
 """Files in and out.
 
 Robot logs (``log_files``; what they hold ``log_fields``, and how: ``npz_files``, ``csv_files``), pose graphs (``g2o``),
-results for other programs (``result_files``), recordings of real robots (``recordings``), the authors' data
-(``mu2016``, ``download``).
+results for other programs (``result_files``), recordings of real robots (``recordings``, ``ros_bags``), the authors'
+data (``mu2016``, ``download``).
 """
 
 from npslam_teach.datasets.download import fetch_mu2016_simulation, fetch_stata_office
@@ -11,6 +11,7 @@ from npslam_teach.datasets.log_files import load_log, save_log
 from npslam_teach.datasets.mu2016 import load_mu2016_simulation, load_stata_office
 from npslam_teach.datasets.recordings import load_hidden, load_mrclam
 from npslam_teach.datasets.result_files import save_objects, save_tum
+from npslam_teach.datasets.ros_bags import load_rosbag
 
 __all__ = [
     "fetch_mu2016_simulation",
@@ -20,6 +21,7 @@ __all__ = [
     "load_log",
     "load_mrclam",
     "load_mu2016_simulation",
+    "load_rosbag",
     "load_stata_office",
     "save_g2o",
     "save_log",

@@ -11,21 +11,21 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.datasets.g2o import load_g2o
+from npslam_teach.datasets.trajectories import keyframes, poses_at
 from npslam_teach.system.files import prefix_errors
 from npslam_teach.types import CLUTTER, GroundTruth, RobotLog, World
 from npslam_teach.validation import checked_array
 
 FIRST_LANDMARK = 6  # subjects 1 to 5 are robots
-STEP, TURN = 0.1, 0.1  # m, rad: a pose at least every so far
 MISREAD = 1.0  # m; a barcode that is read so far from its landmark was read wrongly
 
 
 def load_mrclam(folder, robot: int = 1, num_classes: int = 5) -> tuple[RobotLog, GroundTruth]:
     """One robot of a data set of MRCLAM; other robots that it sees are left out.
 
-    There is a pose wherever a landmark is seen, and one for every ``STEP`` or ``TURN``. The class of a landmark is its
-    number modulo ``num_classes``; which one it is only the truth knows. The standard deviations are the root mean
-    square of the differences to the truth.
+    There is a pose wherever a landmark is seen, and one for every step or turn of ``trajectories``. The class of a
+    landmark is its number modulo ``num_classes``; which one it is only the truth knows. The standard deviations are the
+    root mean square of the differences to the truth.
 
     Args:
         folder: with Barcodes.dat, Landmark_Groundtruth.dat, and of the robot Odometry, Measurement and Groundtruth.
@@ -98,8 +98,8 @@ def _require_truth(robot: int, seen, number, truth, num_landmarks: int) -> None:
 def _log_of(wheels, seen, number, truth, places, num_classes: int) -> tuple[RobotLog, GroundTruth]:
     """The log of tables (n, columns): wheels, sights, the landmark (M,) of each, motion capture, landmarks (K, 2)."""
     path = _driven(wheels)
-    times = np.union1d(wheels[_keyframes(path), 0], seen[:, 0])
-    poses, true_poses = _at(times, wheels[:, 0], path), _at(times, truth[:, 0], truth[:, 1:])
+    times = np.union1d(wheels[keyframes(path), 0], seen[:, 0])
+    poses, true_poses = poses_at(times, wheels[:, 0], path), poses_at(times, truth[:, 0], truth[:, 1:])
     true_poses[(times < truth[0, 0]) | (times > truth[-1, 0])] = np.nan
     odometry, obs_time = se2.between(poses[:-1], poses[1:]), np.searchsorted(times, seen[:, 0])
     obs_xy = seen[:, 2, None] * np.column_stack([np.cos(seen[:, 3]), np.sin(seen[:, 3])])
@@ -119,24 +119,6 @@ def _driven(wheels: np.ndarray) -> np.ndarray:
     time = np.diff(wheels[:, 0])
     steps = np.column_stack([wheels[:-1, 1] * time, np.zeros(len(time)), wheels[:-1, 2] * time])
     return se2.dead_reckoning(steps)
-
-
-def _keyframes(path: np.ndarray) -> np.ndarray:
-    """Indices of poses that lie at least a step or a turn apart, the first and the last among them."""
-    kept = [0]
-    for k in range(1, len(path)):
-        step = se2.between(path[kept[-1]], path[k])
-        if np.hypot(*step[:2]) >= STEP or abs(step[2]) >= TURN:
-            kept.append(k)
-    return np.unique([*kept, len(path) - 1])
-
-
-def _at(times: np.ndarray, known: np.ndarray, poses: np.ndarray) -> np.ndarray:
-    """Poses (n, 3) at times between those that are known, headings turned the short way."""
-    columns = [poses[:, 0], poses[:, 1], np.unwrap(poses[:, 2])]
-    found = np.column_stack([np.interp(times, known, column) for column in columns])
-    found[:, 2] = se2.wrap(found[:, 2])
-    return found
 
 
 def _typical_std(information: np.ndarray) -> np.ndarray:

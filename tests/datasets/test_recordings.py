@@ -94,12 +94,12 @@ def test_a_graph_of_known_landmarks_is_a_log_that_hides_them(tmp_path):
     assert hidden.num_classes == 1
 
 
-@pytest.mark.parametrize("option", ["--robot", "--classes"])
-def test_an_option_of_another_format_is_refused(tmp_path, refused, option):
+@pytest.mark.parametrize(("option", "owner"), [("--robot", "mrclam"), ("--classes", "mrclam"), ("--rate", "rosbag")])
+def test_an_option_of_another_format_is_refused(tmp_path, refused, option, owner):
     log, truth = simulate.toy_objects()
     datasets.save_log(tmp_path / "run.csv", log, truth)
     said = refused("import", "csv", tmp_path / "run.csv", option, "2", "--out", tmp_path / "run.npz")
-    assert "--robot and --classes: expected with mrclam only, got csv" in said
+    assert f"{option}: expected with {owner} only, got csv" in said
 
 
 def test_victoria_park(data_folder):

@@ -161,8 +161,9 @@ def test_lessons_and_what_they_import_need_no_more_than_a_browser_has():
     assert not found & NOT_IN_A_BROWSER
     modules_of = {"pillow": ["PIL"], "matplotlib": ["matplotlib", "mpl_toolkits"], "ipython": ["IPython"]}
     offered = {module for each in needed() for module in modules_of.get(each.name, [each.name])}
-    # Notebooks are read and written with nbformat, at home; qdldl is used where it is installed, and nowhere needed.
-    assert found - set(sys.stdlib_module_names) - {"npslam_teach", "nbformat", "qdldl"} <= offered
+    # Notebooks are read and written with nbformat, at home; qdldl is used where it is installed, and nowhere needed;
+    # rosbags reads what a robot recorded, which no lesson does.
+    assert found - set(sys.stdlib_module_names) - {"npslam_teach", "nbformat", "qdldl", "rosbags"} <= offered
     for path in lessons.lesson_paths(ROOT / "notebooks"):
         text = "\n".join(cell.source for cell in lessons.read(path).cells if cell.cell_type == "code")
         assert not re.search(r"npslam_teach(\.| import )(lessons|badges|commands|book|lite_site)\b", text)

@@ -1,7 +1,7 @@
 """The paper's method with a part of the truth given: what breaks it, if not that part?
 
 ``poses_at_truth`` leaves the rule of association alone with its kernel; ``from_the_truth`` sets out from the right
-answer, so that only the start of the descent is taken away; ``evaluation.true_association_fit`` is the pose graph alone.
+answer, so that only the start of the descent is another; ``evaluation.true_association_fit`` is the pose graph alone.
 None of them is an estimator: all of them look at the truth.
 """
 
@@ -28,7 +28,7 @@ def poses_at_truth(log: RobotLog, truth: GroundTruth, iterations: int = 5, **set
         settings: of ``np_graph``.
     """
     odometry_std, observation_std = _noise_in(settings)
-    start = initial_snapshot(log, odometry_std, observation_std, settings.get("alpha", PAPER_ALPHA))
+    start = initial_snapshot(log, odometry_std, observation_std)
     landmarks = se2.apply(truth.poses[log.obs_time], log.obs_xy)
     held = {"fixed_poses": np.arange(log.num_poses)}
     start = replace(start, graph=replace(start.graph, poses=truth.poses, landmarks=landmarks))
@@ -44,8 +44,7 @@ def from_the_truth(log: RobotLog, truth: GroundTruth, iterations: int = 5, **set
     labels = without_empty_objects(truth.obs_object, truth.world.object_xy).labels
     factors = odometry_factors(log, odometry_std), observation_factors(log, labels, observation_std)
     graph = replace(true_association_fit(log, truth), between=factors[0], observations=factors[1])
-    start = snapshot(log, 0, labels, graph, settings.get("alpha", PAPER_ALPHA))
-    return _alternate(log, start, iterations, {}, settings)
+    return _alternate(log, snapshot(log, 0, labels, graph), iterations, {}, settings)
 
 
 def _alternate(log: RobotLog, current: Snapshot, iterations: int, held: dict, settings: dict) -> Snapshot:

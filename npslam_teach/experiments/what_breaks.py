@@ -4,7 +4,7 @@ The table is made by
 
     python -m npslam_teach.experiments.what_breaks npslam_teach/course/what_breaks/success.csv
 
-in about fifteen minutes on one core. A row is one run on ``fifteen_objects``; a *case* says what was run:
+in about twelve minutes on one core. A row is one run on ``fifteen_objects``; a *case* says what was run:
 
 =====================  ================================================================================================
 ``np-graph``           the paper's method with the paper's settings, as all cases where nothing else is said
@@ -172,7 +172,7 @@ def main(path: str) -> None:
     """Make the table anew."""
     count = len(SEEDS) * sum(len(noises) for noises in noises_by_case().values())
     with progress_shown():
-        write_table(track(all_rows(), count, "what breaks", "runs"), Path(path))
+        write_table(track(all_rows(SEEDS), count, "what breaks", "runs"), Path(path))
 
 
 if __name__ == "__main__":

@@ -24,6 +24,17 @@ from npslam_teach.types import GroundTruth, RobotLog
 
 SENSOR_LOOK = {"color": CLASS_COLORS[5], "marker": CLASS_MARKERS[5], "linestyle": "--"}
 NOISE_LINES = ("-", "--", "-.", ":")
+CAUSES = {  # the paper's method, and what is left of its failures when something is given to it; name to case
+    "the paper's": "np-graph",
+    "30 rounds": "30 rounds",
+    "true poses": "true poses",
+    "true start": "true start",
+    "scaled": "np-graph sensor",
+    "scaled, 30 rounds": "30 rounds sensor",
+    "scaled, true poses": "true poses sensor",
+    "scaled, true start": "true start sensor",
+    "true identities": "true identities",
+}
 _NONE_TO_ALL = LinearSegmentedColormap.from_list("none_to_all", ["#f6f6f6", "#9dc3e0"])  # black text on all of it
 
 

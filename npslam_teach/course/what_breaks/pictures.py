@@ -22,7 +22,7 @@ from npslam_teach.plotting.style import (
 )
 from npslam_teach.types import GroundTruth, RobotLog
 
-SENSOR_LOOK = {"color": CLASS_COLORS[5], "marker": CLASS_MARKERS[5], "linestyle": "--"}
+SENSOR_LOOK = {"color": CLASS_COLORS[5], "marker": CLASS_MARKERS[6], "linestyle": "--"}
 NOISE_LINES = ("-", "--", "-.", ":")
 CAUSES = {  # the paper's method, and what is left of its failures when something is given to it; name to case
     "the paper's": "np-graph",

@@ -55,7 +55,7 @@ def explore_office():
 
 
 def explore_widths():
-    scenes = {noise: small_room() for noise in (1.0, 2.0, 3.0)}
+    scenes = {noise: small_room() for noise in (1, 2, 3)}
     return explore_kernel(scenes, results_of(scenes))
 
 
@@ -85,7 +85,7 @@ EXPLORERS = {
         [{"alpha": 0.2}, {"threshold": 0.1}, {"alpha": 1.2}, {"threshold": None}],
     ),
     "office": (explore_office, [{"epsilon": 0.4}, {"method": "frame-by-frame"}, {"epsilon": 0.02}]),
-    "kernel": (explore_widths, [{"noise": 2.0}, {"kernel_std": 0.5}, {"noise": 3.0}, {"kernel_std": 0.15}]),
+    "kernel": (explore_widths, [{"noise": 2}, {"kernel_std": 0.5}, {"noise": 3}, {"kernel_std": 0.15}]),
     "gate": (explore_gate, [{"gate": 0.5}, {"second_gate": 0.5}, {"gate": 5.0}, {"second_gate": 6.0}]),
 }
 

@@ -1,15 +1,15 @@
 """The explorer of lesson 10: noise and kernel width, with the share of all rooms and the map of one."""
 
 from npslam_teach import plotting
-from npslam_teach.course.explorers import Explorer, choice
+from npslam_teach.course.explorers import Explorer, choice, slider
 from npslam_teach.course.what_breaks import pictures, table
 from npslam_teach.evaluation import compare_partitions, distances_to_truth
 from npslam_teach.methods import METHODS
 from npslam_teach.plotting import moving_map
 from npslam_teach.plotting.style import ESTIMATE_COLOR, legend_below
-from npslam_teach.types import Snapshot
+from npslam_teach.types import GroundTruth, Snapshot
 
-NOISES = (1.0, 2.0, 3.0)
+NOISES = (1, 2, 3)
 
 
 def results_of(scenes: dict) -> dict[tuple, Snapshot]:
@@ -30,7 +30,7 @@ def explore_kernel(scenes: dict, results: dict[tuple, Snapshot]) -> Explorer:
     """Choose noise and kernel width; nothing is run, so that the picture follows at once.
 
     Args:
-        scenes: noise to (log, truth).
+        scenes: noise to (log, truth), for whole numbers without a gap.
         results: from ``results_of``.
     """
     kernels = table.swept("kernel_std")
@@ -42,7 +42,7 @@ def explore_kernel(scenes: dict, results: dict[tuple, Snapshot]) -> Explorer:
     right.set_title("all rooms of the table")
     legend_below(figure, moving_map.moving_map_handles(truth), columns=8)
 
-    def update(noise: float, kernel_std: float) -> str:
+    def update(noise: int, kernel_std: float) -> str:
         for each, artists in zip(scenes, curves, strict=True):
             for artist in artists:
                 artist.set_visible(each == noise)
@@ -53,13 +53,13 @@ def explore_kernel(scenes: dict, results: dict[tuple, Snapshot]) -> Explorer:
         return words(noise, kernel_std, last, scenes[noise][1])
 
     sliders = {
-        "noise": choice("noise (times the paper's)", {f"{noise:g}": noise for noise in scenes}),
+        "noise": slider("noise (times the paper's)", int(min(scenes)), int(min(scenes)), int(max(scenes)), 1),
         "kernel_std": choice("kernel width (m)", {f"{width:g}": width for width in kernels}),
     }
     return Explorer(figure, update, **sliders)
 
 
-def words(noise: float, kernel_std: float, last: Snapshot, truth) -> str:
+def words(noise: int, kernel_std: float, last: Snapshot, truth: GroundTruth) -> str:
     """The share over all rooms, and the result in one, in numbers."""
     right, runs, low, high = table.share_of(table.swept("kernel_std")[kernel_std], noise)
     ari, error = compare_partitions(truth.obs_object, last.labels)[0], distances_to_truth(last, truth)[0].mean()

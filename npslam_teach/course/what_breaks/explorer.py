@@ -39,7 +39,7 @@ def explore_kernel(scenes: dict, results: dict[tuple, Snapshot]) -> Explorer:
     move_map = moving_map.plot_moving_map(left, list(results.values()), log, truth)
     curves = [_curve(right, noise) for noise in scenes]
     (here,) = right.plot([], [], "o", markersize=16, markerfacecolor="none", color=ESTIMATE_COLOR, markeredgewidth=2.5)
-    right.set_title("all rooms of the table")
+    right.set_title("all rooms; dashed: the paper's width")
     legend_below(figure, moving_map.moving_map_handles(truth), columns=8)
 
     def update(noise: int, kernel_std: float) -> str:

@@ -326,7 +326,7 @@ def shares(case, noises=(1.0, 2.0, 3.0, 4.0)):
     return [table.share_of(case, noise)[0] for noise in noises]
 
 
-def test_the_method_falls_off_a_cliff_and_no_setting_holds_it():
+def test_the_method_falls_to_nothing_and_no_setting_holds_it_up():
     assert min(shares("np-graph", (0.5, 1.0))) > 20 and max(shares("np-graph", (2.5, 3.0, 4.0))) == 0
     for setting in ("alpha", "threshold", "kernel_std"):
         assert max(shares(case, (3.0,))[0] for case in table.swept(setting).values()) <= 3

@@ -1,10 +1,11 @@
 """How good is an estimate?
 
 With the truth: ``metrics`` and ``clustering``. Against its own claims: ``consistency``. Without any truth:
-``map_quality``, and ``score`` to compare methods.
+``map_quality``, and ``score`` to compare methods. ``confidence`` says how sure a share of successful runs is.
 """
 
 from npslam_teach.evaluation.clustering import compare_partitions, copies_of, singletons_for_unassigned
+from npslam_teach.evaluation.confidence import wilson_interval
 from npslam_teach.evaluation.consistency import (
     chi2_per_dof,
     nis_in_windows,
@@ -34,4 +35,5 @@ __all__ = [
     "true_association_fit",
     "valid_only",
     "nis_in_windows",
+    "wilson_interval",
 ]

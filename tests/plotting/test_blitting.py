@@ -16,6 +16,7 @@ from npslam_teach.course.fifteen_objects.explorer import explore_method
 from npslam_teach.course.filtering import explorer as filtering_explorer
 from npslam_teach.course.office import explorer as office_explorer
 from npslam_teach.course.pose_graph.explorer import bad_starts, explore_gauss_newton
+from npslam_teach.course.what_breaks.explorer import explore_kernel, results_of
 from npslam_teach.course.why_association.explorer import explore_wrong_association
 from npslam_teach.methods import METHODS
 from npslam_teach.plotting.blitting import SCREEN_DPI, Redrawing
@@ -53,6 +54,11 @@ def explore_office():
     return office_explorer.explore_office(results, log, truth)
 
 
+def explore_widths():
+    scenes = {noise: small_room() for noise in (1, 2, 3)}
+    return explore_kernel(scenes, results_of(scenes))
+
+
 # Each explorer, and places to go that move all there is to move, hide some of it and bring it back.
 EXPLORERS = {
     "wrong_association": (explore_wrong_association, [{"to": 5}, {"sighting": 0}, {"to": 0}]),
@@ -79,6 +85,7 @@ EXPLORERS = {
         [{"alpha": 0.2}, {"threshold": 0.1}, {"alpha": 1.2}, {"threshold": None}],
     ),
     "office": (explore_office, [{"epsilon": 0.4}, {"method": "frame-by-frame"}, {"epsilon": 0.02}]),
+    "kernel": (explore_widths, [{"noise": 2}, {"kernel_std": 0.5}, {"noise": 3}, {"kernel_std": 0.15}]),
     "gate": (explore_gate, [{"gate": 0.5}, {"second_gate": 0.5}, {"gate": 5.0}, {"second_gate": 6.0}]),
 }
 

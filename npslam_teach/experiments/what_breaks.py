@@ -1,0 +1,179 @@
+"""Where does the paper's method stop working? Many runs over noise and settings, and the table of lesson 10.
+
+The table is made by
+
+    python -m npslam_teach.experiments.what_breaks npslam_teach/course/what_breaks/success.csv
+
+in about twelve minutes on one core. A row is one run on ``fifteen_objects``; a *case* says what was run:
+
+=====================  ================================================================================================
+``np-graph``           the paper's method with the paper's settings, as all cases where nothing else is said
+``np-graph sensor``    with ``settings_for(log)``: kernel and solver scaled with the noise, one object once a frame
+``ekf``, ...           another method with its defaults
+``kernel_std 0.5``     one setting changed; the same for alpha and threshold
+``order 3``            the observations visited in the third random order; also ``order first-to-last``
+``30 rounds``          until no label changes any more, 30 alternations at most; and with ``sensor``
+``true poses``         association with every pose held at the truth (``oracles.poses_at_truth``); and with ``sensor``
+``true start``         the alternation sets out from the right answer (``oracles.from_the_truth``); and with ``sensor``
+``true identities``    the pose graph alone, told who is who
+=====================  ================================================================================================
+"""
+
+import csv
+import sys
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from npslam_teach import simulate
+from npslam_teach.evaluation import compare_partitions, true_association_fit
+from npslam_teach.experiments.oracles import from_the_truth, poses_at_truth
+from npslam_teach.experiments.runs import Run, Scene, row_of, run_method
+from npslam_teach.methods import METHODS, settings_for
+from npslam_teach.methods.snapshots import snapshot
+from npslam_teach.system.files import atomic_write
+from npslam_teach.system.progress import progress_shown, track
+
+SEEDS = range(30)  # the first thirty rooms, whatever they are like
+NOISES = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0)  # of the paper's own
+SWEPT = {
+    "alpha": (0.01, 0.1, 0.5, 0.99),
+    "threshold": (0.01, 0.03, 0.1, 0.3),
+    "kernel_std": (0.15, 0.25, 0.5, 0.7, 1.0),
+}
+RANDOM_ORDERS = 4
+COLUMNS = ("case", "noise", "seed", "objects", "ari", "ari_used", "pose_error", "objective")
+NUM_TRUE, LEAST_ARI = 15, 0.99
+
+
+def noises_by_case() -> dict[str, tuple]:
+    """Every case of the table, and at which noises it is run."""
+    compared = ("np-graph", "np-graph sensor", "ekf", "robust-slam", "frame-by-frame")
+    cases = dict.fromkeys(compared, NOISES)
+    for name, values in SWEPT.items():
+        noises = (1.0, 2.0, 3.0, 4.0) if name == "kernel_std" else (1.0, 2.0, 3.0)
+        cases |= dict.fromkeys((f"{name} {value:g}" for value in values), noises)
+    orders = ["order first-to-last"] + [f"order {k}" for k in range(1, RANDOM_ORDERS + 1)]
+    cases |= dict.fromkeys(orders, (1.0, 2.0, 3.0))
+    oracles = ("true poses", "true poses sensor", "true start", "true start sensor", "true identities")
+    others = ("30 rounds", "30 rounds sensor", *oracles, "posterior")
+    return cases | dict.fromkeys(others, (1.0, 2.0, 3.0, 4.0))
+
+
+def run_case(case: str, scene: Scene) -> dict:
+    """One run: a row of the table, with the names of ``COLUMNS``.
+
+    Args:
+        case: a key of ``noises_by_case``.
+        scene: with truth.
+
+    Raises:
+        ValueError: there is no such case.
+    """
+    log, truth = scene.log, scene.truth
+    if case not in noises_by_case():
+        raise ValueError(f"case: expected one of {', '.join(noises_by_case())}, got {case!r}")
+    sensor = settings_for(log) if case.endswith(" sensor") else {}
+    if case.startswith("true poses"):
+        run = Run("np-graph", log, [poses_at_truth(log, truth, **sensor)], 0.0)
+    elif case.startswith("true start"):
+        run = Run("np-graph", log, [from_the_truth(log, truth, **sensor)], 0.0)
+    elif case == "true identities":
+        graph = true_association_fit(log, truth)
+        labels = np.unique(truth.obs_object, return_inverse=True)[1]
+        run = Run("np-graph", log, [snapshot(log, 0, labels, graph)], 0.0)
+    elif case in METHODS:
+        run = run_method(case, log, {})
+    else:
+        changed = _changed(case.removesuffix(" sensor"), log.num_observations)
+        run = run_method("np-graph", log, sensor | changed)
+    return _row(case, scene, run)
+
+
+def _changed(case: str, num_observations: int) -> dict:
+    """What a case changes of the paper's settings."""
+    if case == "np-graph":
+        return {}
+    if case == "30 rounds":
+        return {"iterations": 30}
+    name, value = case.split(" ")
+    if name != "order":
+        return {name: float(value)}
+    is_random = value.isdigit()
+    return {name: np.random.default_rng(int(value)).permutation(num_observations) if is_random else value}
+
+
+def _row(case: str, scene: Scene, run: Run) -> dict:
+    row, last = row_of(scene, run), run.snapshots[-1]
+    metrics, used = row["metrics"], last.labels >= 0
+    return {
+        "case": case,
+        "noise": scene.noise,
+        "seed": scene.seed,
+        "objects": row["num_objects"],
+        "ari": round(metrics["ari"], 4),
+        "ari_used": round(compare_partitions(scene.truth.obs_object[used], last.labels[used])[0], 4),
+        "pose_error": round(metrics["mean_pose_error"], 4),
+        "objective": None if row["objective"] is None else round(row["objective"], 2),
+    }
+
+
+def is_right(row: dict) -> bool:
+    """Whether a run found exactly the fifteen objects, and next to every observation's own: ARI at least 0.99."""
+    return row["objects"] == NUM_TRUE and row["ari"] >= LEAST_ARI
+
+
+def scene_of(seed: int, noise: float) -> Scene:
+    """The room of a seed, with so much noise."""
+    return Scene("fifteen_objects", seed, noise, *simulate.fifteen_objects(seed, noise))
+
+
+def all_rows(seeds: Iterable[int] = SEEDS) -> Iterator[dict]:
+    """Every run of the table on these rooms, room by room."""
+    for seed in seeds:
+        for noise in NOISES:
+            scene = scene_of(seed, noise)
+            for case, noises in noises_by_case().items():
+                if noise in noises:
+                    yield run_case(case, scene)
+
+
+def write_table(rows: Iterable[dict], path: Path) -> None:
+    """Rows as a file of comma-separated values, sorted by case, noise and seed."""
+    place = {case: k for k, case in enumerate(noises_by_case())}
+    with atomic_write(path) as stream:
+        writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(sorted(rows, key=lambda row: (place[row["case"]], row["noise"], row["seed"])))
+
+
+def read_table(path: Path) -> list[dict]:
+    """The rows of ``write_table``, each with the names of ``COLUMNS``.
+
+    Raises:
+        FileNotFoundError: there is no such file.
+        ValueError: it is another file.
+    """
+    with open(path, encoding="utf-8", newline="") as stream:
+        reader = csv.DictReader(stream)
+        if tuple(reader.fieldnames or ()) != COLUMNS:
+            raise ValueError(f"{path}: expected the columns {', '.join(COLUMNS)}, got {reader.fieldnames}")
+        return [_typed(row) for row in reader]
+
+
+def _typed(row: dict) -> dict:
+    whole = {name: int(row[name]) for name in ("seed", "objects")}
+    real = {name: float(row[name]) for name in ("noise", "ari", "ari_used", "pose_error")}
+    return row | whole | real | {"objective": float(row["objective"]) if row["objective"] else None}
+
+
+def main(path: str) -> None:
+    """Make the table anew."""
+    count = len(SEEDS) * sum(len(noises) for noises in noises_by_case().values())
+    with progress_shown():
+        write_table(track(all_rows(SEEDS), count, "what breaks", "runs"), Path(path))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

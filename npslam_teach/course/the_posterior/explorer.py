@@ -160,8 +160,10 @@ class AnnealingFilm:
         names = self.truth.world.class_names
         style = {"linestyle": "none", "color": "0.75", "markeredgecolor": ESTIMATE_COLOR, "markersize": 9}
         marks = [Line2D([], [], marker=CLASS_MARKERS[c], label=names[c], **style) for c in range(len(names))]
+        style |= {"marker": "o", "color": CLASS_COLORS[0], "markerfacecoloralt": CLASS_COLORS[1], "fillstyle": "left"}
+        colors = Line2D([], [], label="colours: objects of one class", **style)
         spoke = Line2D([], [], color="0.35", linewidth=1.2, label="from where it was seen to its object")
-        return [*marks, spoke, *path_handles(("estimated path", "true path"))]
+        return [*marks, colors, spoke, *path_handles(("estimated path", "true path"))]
 
 
 def explore_annealing(film: AnnealingFilm) -> Explorer:
@@ -182,7 +184,7 @@ def explore_annealing(film: AnnealingFilm) -> Explorer:
     right.xaxis.set_major_formatter("{x:g}")
     right.invert_xaxis()
     label_axes(right, "temperature (no unit, log scale)", "objects (number)", "from hot to cold (dashed: truth)")
-    legend_below(figure, film.handles(), columns=4)
+    legend_below(figure, film.handles(), columns=5)
 
     def update(state: int) -> str:
         move(state)

@@ -19,6 +19,7 @@ from npslam_teach.plotting.style import (
     label_axes,
     label_map,
     legend_beside,
+    path_handles,
 )
 from npslam_teach.plotting.uncertainty import ellipse
 from npslam_teach.types import GroundTruth, RobotLog
@@ -45,8 +46,8 @@ def plot_numbered_sightings(ax: Axes, log: RobotLog, truth: GroundTruth, title: 
     """
     poses = se2.dead_reckoning(log.odometry)
     xy, world = se2.apply(poses[log.obs_time], log.obs_xy), truth.world
-    plot_trajectory(ax, truth.poses, truth=True, label="true path")
-    plot_trajectory(ax, poses, label="wheels' path")
+    plot_trajectory(ax, truth.poses, truth=True)
+    plot_trajectory(ax, poses)
     plot_objects(ax, world.object_xy, world.object_class, world.class_names, truth=True)
     plot_objects(ax, xy, log.obs_class, world.class_names)
     for k, point in enumerate(xy):
@@ -57,11 +58,25 @@ def plot_numbered_sightings(ax: Axes, log: RobotLog, truth: GroundTruth, title: 
             text = ", ".join(str(i + 1) for i in near)
             style = {"ha": "center", "va": "bottom" if above else "top", "fontsize": TEXT_SIZE["label"]}
             ax.annotate(text, point, (0, 9 if above else -9), textcoords="offset points", **style)
-    for chair, (point, c) in enumerate(zip(world.object_xy, world.object_class, strict=True)):
+    for k, point in enumerate(world.object_xy):
         style = {"ha": "center", "va": "top", "fontsize": TEXT_SIZE["legend"], "color": "0.35"}
-        name = f"{world.class_names[c]} {chr(ord('A') + chair)}"
-        ax.annotate(name, point, (0, -26), textcoords="offset points", **style)
-    ax.margins(0.15)
+        ax.annotate(chr(ord("A") + k), point, (0, -26), textcoords="offset points", **style)
+    ax.margins(0.18)
+    legend_beside(ax, path_handles(("estimated path", "true path", "true object")))
+    return label_map(ax, title)
+
+
+def plot_atoms(ax: Axes, weight: np.ndarray, xy: np.ndarray, title: str) -> Axes:
+    """A draw of a Dirichlet process over places: a disc for every object, its area in proportion to its weight.
+
+    Args:
+        ax: a map.
+        weight: (N,) adding up to one, or nearly.
+        xy: (N, 2) m.
+        title: of the map.
+    """
+    ax.scatter(*xy.T, s=2500 * weight, color=CLASS_COLORS[0], alpha=0.6, edgecolors=ESTIMATE_COLOR, linewidths=0.6)
+    ax.set(xlim=(-0.5, 4.5), ylim=(-0.5, 4.5))
     return label_map(ax, title)
 
 

@@ -1,7 +1,7 @@
 """Two scenes of eight sightings of chairs, fixed by hand: all 4140 partitions of each can be listed.
 
-A robot drives around a square of 2 m and comes back to where it was. Nothing is random here; what the wheels slip is
-written down.
+A robot drives around a square of 2 m and comes back to where it was. Nothing is random in them; what the wheels slip is
+written down. ``drawn_world`` has six sightings on the same round, of chairs that are drawn from the prior.
 """
 
 import numpy as np
@@ -10,6 +10,7 @@ from npslam_teach import se2
 from npslam_teach.association.partition_posterior import TrackletEvidence
 from npslam_teach.methods.posterior import start_model
 from npslam_teach.pose_graph.reduced_system import reduced_system
+from npslam_teach.simulate.from_prior import chairs_from_prior
 from npslam_teach.types import GroundTruth, RobotLog, World
 
 CLASS_NAMES = ("chair",)
@@ -26,6 +27,8 @@ SLOW = np.array([[0.3, 0, 0]] * 3)
 SLOW_ROUND = np.concatenate([SLOW, [[1.1, 0, QUARTER]], [[2.0, 0, QUARTER]] * 3, SLOW])
 TWO_CHAIRS = np.array([[1.0, -1.0], [2.3, -1.0]])  # m
 SEEN_SLOWLY = tuple((pose, int(pose > 3)) for pose in (0, 1, 2, 3, 7, 8, 9, 10))
+
+DRAWN_AT, DRAWN_SIDE = (0, 1, 2, 4, 5, 6), 2.0  # poses, three before most of the drift and three after; m
 
 
 def eight_sightings() -> tuple[RobotLog, GroundTruth]:
@@ -44,6 +47,17 @@ def four_and_four() -> tuple[RobotLog, GroundTruth]:
     Drift could have carried one chair that far: the same chair, or its twin?
     """
     return _run(SLOW_ROUND, SLOW_ROUND, TWO_CHAIRS, SEEN_SLOWLY)
+
+
+def drawn_world(rng: np.random.Generator, noise: float = 1.0) -> tuple[RobotLog, GroundTruth]:
+    """Six sightings of chairs that a restaurant with alpha 1 seats, uniform over a square of 2 m.
+
+    Args:
+        rng: draws everything.
+        noise: how many times larger the errors really are than the log says.
+    """
+    stds = ODOMETRY_STD, OBSERVATION_STD
+    return chairs_from_prior(rng, ROUND, DRAWN_AT, *stds, side=DRAWN_SIDE, noise=noise)
 
 
 def evidence_of(log: RobotLog, alpha: float = 1.0, area: float = ROOM_AREA) -> TrackletEvidence:

@@ -16,6 +16,11 @@ class Reliability(NamedTuple):
     margin: np.ndarray  # (B,) two standard errors of happened - said
 
     @property
+    def within(self) -> np.ndarray:
+        """(B,) bool, where what happened is as near to what was said as the margin allows."""
+        return np.abs(self.said - self.happened) <= self.margin
+
+    @property
     def expected_calibration_error(self) -> float:
         """The mean distance of what was said from what happened, over all events."""
         return float(np.abs(self.said - self.happened) @ self.counts / self.counts.sum())

@@ -5,8 +5,10 @@ Sightings are numbered from 1, so that a partition reads ``{1 3} {2 4 7 8} {5 6}
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from npslam_teach import se2
+from npslam_teach.evaluation.reliability import Reliability
 from npslam_teach.plotting.maps import plot_objects, plot_trajectory
 from npslam_teach.plotting.style import (
     CLASS_COLORS,
@@ -18,7 +20,9 @@ from npslam_teach.plotting.style import (
     class_style,
     label_axes,
     label_map,
+    legend_below,
     legend_beside,
+    new_figure,
     path_handles,
 )
 from npslam_teach.plotting.uncertainty import ellipse
@@ -149,7 +153,7 @@ def plot_num_objects(ax: Axes, shares: dict, num_true: int, title: str = "how ma
         color, hatch = CLASS_COLORS[k % 8], ("", "//", "..", "xx")[k % 4]
         style = {"color": color, "hatch": hatch, "edgecolor": "white", "linewidth": 0.6}
         ax.bar(at, [share.get(number, 0.0) for number in numbers], width, label=name, **style)
-    ax.axvline(num_true, label=f"true number: {num_true}", **TRUTH_LINE | {"zorder": 0.5})
+    ax.axvline(num_true, label=f"true number: {num_true}", **TRUTH_LINE | {"zorder": 3.0})
     ax.set_xticks(numbers)
     ax.set_ylim(0.0, 1.02)
     legend_beside(ax)
@@ -198,40 +202,42 @@ def plot_credible(ax: Axes, xy: np.ndarray, cov: np.ndarray, true_xy: np.ndarray
     return label_map(ax, title)
 
 
-def plot_chains(ax: Axes, chains: np.ndarray, title: str, exact: float) -> Axes:
-    """The running mean of a number along every chain of a sampler, and where it should end.
+def chains_figure(cases: dict) -> Figure:
+    """The running mean of a number along every chain of a sampler, and where it should end; two cases in a row.
 
     Args:
-        ax: any axes.
-        chains: (C, n).
-        title: of the plot.
-        exact: the mean under the posterior, dashed grey.
+        cases: by title: the chains (C, n), and the exact mean, dashed grey.
     """
+    rows = -(-len(cases) // 2)
+    figure, axes = new_figure(rows, 2, (12.0, 1.0 + 3.3 * rows), sharex=True, sharey=True, squeeze=False)
+    for k, (ax, (title, (chains, exact))) in enumerate(zip(axes.flat, cases.items(), strict=True)):
+        _plot_running_means(ax, np.asarray(chains), exact)
+        sweeps = "sweeps (number)" if k // 2 == rows - 1 else ""
+        label_axes(ax, sweeps, "objects, mean so far (number)" if k % 2 == 0 else "", title)
+    return legend_below(figure, axes[0, 0].get_legend_handles_labels()[0], columns=5)
+
+
+def _plot_running_means(ax: Axes, chains: np.ndarray, exact: float) -> None:
     counts = np.arange(1, chains.shape[1] + 1)
     for k, chain in enumerate(chains):
-        style = {"color": CLASS_COLORS[k % 8], "marker": CLASS_MARKERS[k % 8], "markevery": (10 * k, len(chain) // 5)}
-        ax.plot(counts, np.cumsum(chain) / counts, linewidth=1.8, markersize=7, label=f"chain {k + 1}", **style)
+        # Ever thinner: chains that do the same lie on each other.
+        size = {"linewidth": max(4.0 - k, 1.2), "markersize": max(11.0 - 2 * k, 5.0)}
+        style = {"color": CLASS_COLORS[k % 8], "marker": CLASS_MARKERS[k % 8], "markevery": (4 * k, len(chain) // 5)}
+        ax.plot(counts, np.cumsum(chain) / counts, label=f"chain {k + 1}", **size, **style)
     ax.axhline(exact, label="exact", **TRUTH_LINE)
-    return label_axes(ax, "sweeps (number)", "mean number of objects so far", title)
 
 
-def plot_reliability(ax: Axes, said: np.ndarray, happened: np.ndarray, counts: np.ndarray, margin: np.ndarray) -> Axes:
+def plot_reliability(ax: Axes, table: Reliability, title: str) -> Axes:
     """How often what was given a probability is true.
 
     Args:
         ax: any axes.
-        said: (B,) mean probability of each group.
-        happened: (B,) share that is true.
-        counts: (B,) how many are in each group; written beside.
-        margin: (B,) two standard errors.
+        table: pairs in groups.
+        title: of the plot.
     """
     ax.plot([0, 1], [0, 1], label="as it should be", **TRUTH_LINE)
     style = {"color": CLASS_COLORS[0], "marker": "o", "markersize": 8, "linestyle": "none", "capsize": 4}
-    ax.errorbar(said, happened, margin, label="pairs, two standard errors", **style)
-    for x, y, count in zip(said, happened, counts, strict=True):
-        right = x < 0.8
-        style = {"va": "center", "ha": "left" if right else "right", "fontsize": TEXT_SIZE["tick"]}
-        ax.annotate(f"{count} pairs", (x, y), (10 if right else -10, -10), textcoords="offset points", **style)
+    ax.errorbar(table.said, table.happened, table.margin, label="pairs, two standard errors", **style)
     ax.set(xlim=(-0.03, 1.03), ylim=(-0.06, 1.06), aspect="equal")
     legend_beside(ax)
     return label_axes(

@@ -44,9 +44,11 @@ def reliability(said, happened, world, edges=EDGES) -> Reliability:
     for k in np.unique(group):
         here = group == k
         of_world = np.unique(world[here], return_inverse=True)[1]
-        # The sum of the surprises of a world is one draw; of independent draws the variances add up.
+        # The sum of the surprises of a world is one draw; of independent draws the variances add up. Where next to
+        # nothing happened there were no surprises to judge by: never less than if all events were independent.
         surprise = np.bincount(of_world, weights=(happened - said)[here])
-        margin = 2 * np.sqrt((surprise**2).sum()) / here.sum()
+        variance = max((surprise**2).sum(), (said * (1 - said))[here].sum())
+        margin = 2 * np.sqrt(variance) / here.sum()
         rows.append((said[here].mean(), happened[here].mean(), here.sum(), margin))
     means, shares, counts, margins = map(np.array, zip(*rows, strict=True))
     return Reliability(means, shares, counts, margins)

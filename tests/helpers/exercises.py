@@ -37,7 +37,7 @@ class Exercise(NamedTuple):
         return solved_names(self.lesson[:2])[self.answer]
 
 
-def exercises(lesson: str = "0*") -> list[Exercise]:
+def exercises(lesson: str = "[01]*") -> list[Exercise]:
     """All exercises of the lessons with such a name, in their order."""
     found = []
     for path in sorted(NOTEBOOKS.glob(f"{lesson}.ipynb")):

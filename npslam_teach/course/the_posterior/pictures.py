@@ -240,9 +240,7 @@ def plot_reliability(ax: Axes, table: Reliability, title: str) -> Axes:
     ax.errorbar(table.said, table.happened, table.margin, label="pairs, two standard errors", **style)
     ax.set(xlim=(-0.03, 1.03), ylim=(-0.06, 1.06), aspect="equal")
     legend_beside(ax)
-    return label_axes(
-        ax, "probability of being one chair (no unit)", "share that is (no unit)", "is it right to be sure?"
-    )
+    return label_axes(ax, "probability of being one chair (no unit)", "share that is one (no unit)", title)
 
 
 def object_style(object_class: int, rank: int) -> tuple[str, str]:

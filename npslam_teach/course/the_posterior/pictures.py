@@ -34,7 +34,7 @@ TRUE_MARK = "  (true)"
 
 def partition_name(labels) -> str:
     """``{1 3} {2 4}`` for the labels 0, 1, 0, 1."""
-    labels = np.asarray(labels)
+    labels = np.asarray(labels, dtype=int)
     parts = [" ".join(str(k + 1) for k in np.flatnonzero(labels == i)) for i in range(labels.max(initial=-1) + 1)]
     return " ".join("{" + part + "}" for part in parts)
 
@@ -222,7 +222,11 @@ def _plot_running_means(ax: Axes, chains: np.ndarray, exact: float) -> None:
     for k, chain in enumerate(chains):
         # Ever thinner: chains that do the same lie on each other.
         size = {"linewidth": max(4.0 - k, 1.2), "markersize": max(11.0 - 2 * k, 5.0)}
-        style = {"color": CLASS_COLORS[k % 8], "marker": CLASS_MARKERS[k % 8], "markevery": (4 * k, len(chain) // 5)}
+        style = {
+            "color": CLASS_COLORS[k % 8],
+            "marker": CLASS_MARKERS[k % 8],
+            "markevery": (4 * k, max(len(chain) // 5, 1)),
+        }
         ax.plot(counts, np.cumsum(chain) / counts, label=f"chain {k + 1}", **size, **style)
     ax.axhline(exact, label="exact", **TRUTH_LINE)
 

@@ -222,11 +222,8 @@ def _plot_running_means(ax: Axes, chains: np.ndarray, exact: float) -> None:
     for k, chain in enumerate(chains):
         # Ever thinner: chains that do the same lie on each other.
         size = {"linewidth": max(4.0 - k, 1.2), "markersize": max(11.0 - 2 * k, 5.0)}
-        style = {
-            "color": CLASS_COLORS[k % 8],
-            "marker": CLASS_MARKERS[k % 8],
-            "markevery": (4 * k, max(len(chain) // 5, 1)),
-        }
+        style = {"color": CLASS_COLORS[k % 8], "marker": CLASS_MARKERS[k % 8]}
+        style["markevery"] = (4 * k, max(len(chain) // 5, 1))
         ax.plot(counts, np.cumsum(chain) / counts, label=f"chain {k + 1}", **size, **style)
     ax.axhline(exact, label="exact", **TRUTH_LINE)
 

@@ -208,8 +208,7 @@ def check_merge_acceptance(merge_acceptance: Callable) -> Verdict:
     rng = np.random.default_rng(7)
     trials = []
     for n in (1, 2, 3, 5, 2, 4):
-        apart, weights = rng.normal(-20, 3), rng.normal(0, 1.5, (n, 2))
-        sits = rng.integers(0, 2, n)
+        apart, weights, sits = rng.normal(-20, 3), rng.normal(0, 1.5, (n, 2)), rng.integers(0, 2, n)
         trials += [(apart, apart + gain, weights, sits) for gain in (-1.0, 0.7, 9.0)]
     praise = "with this number the merger and the split come in exactly as often as the posterior asks for"
     return _judge("your number", merge_acceptance, trials, true_value, mistakes, praise)

@@ -28,7 +28,7 @@ def annealing_film(noise: float = NOISE, seed: int = 0) -> AnnealingFilm:
 def annealing_figure():
     """Three states: hot, cooler, cold."""
     film = annealing_film()
-    figure, axes = plotting.new_figure(1, len(SHOWN), (14.0, 6.1), sharex=True, sharey=True)
+    figure, axes = plotting.new_figure(1, len(SHOWN), (14.0, 5.85), sharex=True, sharey=True)
     for ax, number in zip(axes, SHOWN, strict=True):
         film.draw(ax)(number)
     for ax in axes[1:]:

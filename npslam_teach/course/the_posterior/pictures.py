@@ -181,7 +181,9 @@ def plot_together(ax: Axes, together: np.ndarray, best: np.ndarray, title: str) 
     return ax
 
 
-def plot_credible(ax: Axes, xy: np.ndarray, cov: np.ndarray, true_xy: np.ndarray, title: str) -> Axes:
+def plot_credible(
+    ax: Axes, xy: np.ndarray, cov: np.ndarray, true_xy: np.ndarray, title: str, name: str = "object found"
+) -> Axes:
     """Objects in the ellipses that hold them with 95 % probability, over the true ones.
 
     Args:
@@ -190,12 +192,13 @@ def plot_credible(ax: Axes, xy: np.ndarray, cov: np.ndarray, true_xy: np.ndarray
         cov: (K, 2, 2) m^2.
         true_xy: (L, 2) m, in the same frame.
         title: of the map.
+        name: of what has an ellipse.
     """
     for k, (point, spread) in enumerate(zip(xy, cov, strict=True)):
         label = "95 % ellipse" if k == 0 else None
         style = {"edgecolor": CLASS_COLORS[0], "facecolor": CLASS_COLORS[0] + "30", "linewidth": 1.5}
         ax.add_patch(ellipse(point, spread, label=label, **style))
-    ax.plot(*xy.T, "o", color=CLASS_COLORS[0], markersize=4, label="object found")
+    ax.plot(*xy.T, "o", color=CLASS_COLORS[0], markersize=4, label=name)
     ax.plot(*true_xy.T, "x", color=TRUTH_COLOR, markersize=8, markeredgewidth=2, label="true object")
     ax.autoscale_view()
     legend_beside(ax)

@@ -18,6 +18,7 @@ from npslam_teach.plotting.style import (
     ESTIMATE_LINE,
     TRUTH_LINE,
     Line2D,
+    class_style,
     label_axes,
     label_map,
     legend_below,
@@ -121,7 +122,7 @@ class AnnealingFilm:
         for label, c in zip(labels.tolist(), self.tracklet_class.tolist(), strict=True):
             of_class = seen.setdefault(c, {})
             rank = of_class.setdefault(label, len(of_class))
-            colors.append(pictures.object_style(c, rank)[0])
+            colors.append(object_style(c, rank)[0])
         return colors
 
     def draw(self, ax):
@@ -151,7 +152,7 @@ class AnnealingFilm:
         return f"temperature {state.temperature:.2g}: {state.labels.max() + 1} objects"
 
     def _mark(self, ax, object_class: int):
-        marker = pictures.object_style(object_class, 0)[1]
+        marker = object_style(object_class, 0)[1]
         style = {"linestyle": "none", "markeredgecolor": ESTIMATE_COLOR, "markeredgewidth": 0.6, "zorder": 3}
         return ax.plot([], [], marker=marker, markersize=9, **style)[0]
 
@@ -203,3 +204,8 @@ def annealing_words(film: AnnealingFilm, number: int) -> str:
         f"Temperature {state.temperature:.2f}: {len(state.labels)} tracklets in {state.labels.max() + 1} objects, "
         f"{alone} of them alone; log posterior {state.log_posterior:.0f}."
     )
+
+
+def object_style(object_class: int, rank: int) -> tuple[str, str]:
+    """The colour of the ``rank``-th object of its class, and the marker of the class: together they tell objects."""
+    return CLASS_COLORS[rank % len(CLASS_COLORS)], class_style(object_class)[1]

@@ -17,7 +17,6 @@ from npslam_teach.plotting.style import (
     TEXT_SIZE,
     TRUTH_COLOR,
     TRUTH_LINE,
-    class_style,
     label_axes,
     label_map,
     legend_below,
@@ -245,8 +244,3 @@ def plot_reliability(ax: Axes, table: Reliability, title: str) -> Axes:
     ax.set(xlim=(-0.03, 1.03), ylim=(-0.06, 1.06), aspect="equal")
     legend_beside(ax)
     return label_axes(ax, "probability of being one chair (no unit)", "share that is one (no unit)", title)
-
-
-def object_style(object_class: int, rank: int) -> tuple[str, str]:
-    """The colour of the ``rank``-th object of its class, and the marker of the class: together they tell objects."""
-    return CLASS_COLORS[rank % len(CLASS_COLORS)], class_style(object_class)[1]

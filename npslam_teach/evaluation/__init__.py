@@ -1,6 +1,7 @@
 """How good is an estimate?
 
-With the truth: ``metrics`` and ``clustering``. Against its own claims: ``consistency``. Without any truth:
+With the truth: ``metrics`` and ``clustering``. Against its own claims: ``consistency``, ``reliability`` and, for samples,
+``convergence``. Without any truth:
 ``map_quality``, and ``score`` to compare methods.
 """
 

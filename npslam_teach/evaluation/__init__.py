@@ -1,8 +1,7 @@
 """How good is an estimate?
 
-With the truth: ``metrics`` and ``clustering``. Against its own claims: ``consistency``, ``reliability`` and, for samples,
-``convergence``. Without any truth:
-``map_quality``, and ``score`` to compare methods.
+With the truth: ``metrics`` and ``clustering``. Against its own claims: ``consistency``, ``reliability`` and, for
+samples, ``convergence``. Without any truth: ``map_quality``, and ``score`` to compare methods.
 """
 
 from npslam_teach.evaluation.clustering import compare_partitions, copies_of, singletons_for_unassigned

@@ -14,6 +14,7 @@ from npslam_teach.course.figure_file import draw_files
 from npslam_teach.course.filtering import figures as filtering_figures
 from npslam_teach.course.office import figures as office_figures
 from npslam_teach.course.pose_graph import figures as pose_graph_figures
+from npslam_teach.course.the_posterior import figures as the_posterior_figures
 from npslam_teach.course.what_breaks import figures as what_breaks_figures
 from npslam_teach.course.why_association import figures
 from npslam_teach.system.files import atomic_write
@@ -27,6 +28,7 @@ MODULES = (
     alternation_figures,
     office_figures,
     filtering_figures,
+    the_posterior_figures,
     fifteen_objects_figures,
     what_breaks_figures,
 )

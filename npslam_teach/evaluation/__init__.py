@@ -1,7 +1,8 @@
 """How good is an estimate?
 
-With the truth: ``metrics`` and ``clustering``. Against its own claims: ``consistency``. Without any truth:
-``map_quality``, and ``score`` to compare methods. ``confidence`` says how sure a share of successful runs is.
+With the truth: ``metrics`` and ``clustering``. Against its own claims: ``consistency``, ``reliability`` and, for
+samples, ``convergence``. Without any truth: ``map_quality``, and ``score`` to compare methods. ``confidence`` says how
+sure a share of successful runs is.
 """
 
 from npslam_teach.evaluation.clustering import compare_partitions, copies_of, singletons_for_unassigned

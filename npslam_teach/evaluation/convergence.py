@@ -7,6 +7,8 @@ and 11.5; Geyer 1992).
 
 import numpy as np
 
+ROUNDING = 1e-9  # relative: a number that changes by less than this does not change
+
 
 def r_hat(chains: np.ndarray) -> float:
     """Near 1 when the chains agree; above 1.05 they do not. 1 where nothing ever changes, in all chains alike.
@@ -47,5 +49,7 @@ def _halves(chains: np.ndarray) -> np.ndarray:
     chains = np.asarray(chains, dtype=float)
     if chains.ndim != 2 or chains.shape[1] < 4:
         raise ValueError(f"chains: expected an array (C, n) with n at least 4, got shape {chains.shape}")
+    if np.ptp(chains) <= ROUNDING * (1.0 + np.abs(chains).max()):
+        chains = np.zeros_like(chains)
     length = chains.shape[1] // 2
     return np.concatenate([chains[:, :length], chains[:, -length:]])

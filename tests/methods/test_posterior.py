@@ -200,6 +200,8 @@ def test_r_hat_and_effective_sample_size_of_known_chains():
     assert r_hat(independent) == pytest.approx(1.0, abs=0.01)
     assert r_hat(independent + np.arange(4)[:, None]) > 1.5
     assert r_hat(np.ones((4, 10))) == 1.0
+    rounding = -1112.5 + np.arange(4)[:, None] * 1e-10 + np.zeros((4, 10))  # one partition, reached by other moves
+    assert r_hat(rounding) == 1.0 and effective_sample_size(rounding) == 40
     assert effective_sample_size(independent) == pytest.approx(8000, rel=0.1)
     chain = np.zeros((4, 4000))
     for k in range(1, 4000):

@@ -39,7 +39,7 @@ def solve(options) -> int:
         settings = solving.settings_of(options, log)
         run, restarts = solving.run(options, log, settings)
         result = solve_report.solve_result(run, truth) | {"score": solving.score(options, log, run)}
-        result |= solving.sampled(options, log, settings)
+        result |= solving.sampled(options, log, settings, run)
     result["settings"] = {"name": solving.settings_name(options)} | settings
     result["settled"], result["restarts"] = solving.settled(run, settings), restarts
     solving.remarks(options, log, settings, run)

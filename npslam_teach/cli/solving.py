@@ -50,13 +50,13 @@ def require_options(options) -> None:
             raise ValueError("--restarts: expected no --order beside it, because every restart has an order of its own")
 
 
-def sampled(options, log: RobotLog, settings: dict) -> dict:
+def sampled(options, log: RobotLog, settings: dict, found: experiments.Run) -> dict:
     """Where samples are asked for, the posterior around the best partition: ``posterior_report.samples_result``."""
     if options.samples is None:
         return {}
     log = with_noise(log, settings.get("odometry_std"), settings.get("observation_std"))
     known = {name: settings[name] for name in ("alpha", "area", "starts") if name in settings}
-    return {"posterior": samples_result(sample_posterior(log, options.samples, **known))}
+    return {"posterior": samples_result(sample_posterior(log, options.samples, found=found.snapshots[-1], **known))}
 
 
 def score(options, log: RobotLog, found: experiments.Run) -> float:

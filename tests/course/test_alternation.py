@@ -1,4 +1,4 @@
-"""Lesson 06: the descent, its pictures and explorers, and the checks of its exercises."""
+"""Lesson 06: the alternation, its pictures and explorers, and the checks of its exercises."""
 
 import math
 from pathlib import Path
@@ -47,7 +47,7 @@ def solutions():
     return names
 
 
-# --- the descent -----------------------------------------------------------------------------------------------------
+# --- the alternation -------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -116,7 +116,7 @@ def texts_inside(figure):
 
 
 def apart(ax):
-    """No two names on a map lie on each other."""
+    """No two names on a map overlap."""
     canvas = FigureCanvasAgg(ax.figure)
     canvas.draw()
     renderer = canvas.get_renderer()
@@ -244,7 +244,7 @@ def test_the_alternation_player_shows_every_half_step(room):
 
 
 def test_the_words_do_not_hide_a_rise(toy):
-    """A solver that believes less than the kernel may raise the number, and the caption must say so."""
+    """A solver whose noise does not match the kernel may raise the objective, and the caption must say so."""
     log, _ = toy
     order = half_steps(log, 0.5, rounds=2)
     risen = [order[0], order[2], order[1]]
@@ -269,7 +269,7 @@ def test_the_false_positive_slider_over_its_whole_range(toy, toy_run):
         assert all((name in words) != (name in shown) or not name for name in ("Obj_7", "Obj_8"))
         assert [text.get_visible() for text in right.texts] == stays
         apart(right)
-    assert "0.30 m" in explorer.move(epsilon=0.2)  # without objects the path is the wheels' again
+    assert "0.30 m" in explorer.move(epsilon=0.2)  # without objects the path is the odometry path again
     texts_inside(explorer.figure)
 
 

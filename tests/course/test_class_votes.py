@@ -216,7 +216,7 @@ def test_the_posterior_under_a_confusion_matrix_is_bayes_rule_report_by_report()
         belief /= belief.sum()
         votes[report] += 1
     assert np.allclose(checks.true_class(votes, confusion), belief)
-    # A detector that nearly never errs: the share of the votes, for votes of one class.
+    # A detector that hardly ever errs: the share of the votes, for votes of one class.
     sharp = 0.999999 * np.eye(3) + 1e-6 / 3
     assert np.allclose(checks.true_class(np.array([0.0, 4.0, 0.0]), sharp), [0, 1, 0], atol=1e-5)
 

@@ -89,7 +89,7 @@ def test_mistakes_in_tables_are_named(answer, message):
 
 
 def a_sweep(labels, places, xy, obs_class, alpha, order=reversed, own=1, classes=True, move=True, new=True):
-    """The sweep once more, in plain loops, with switches for what can go wrong."""
+    """The sweep written again in plain loops, with switches for typical mistakes."""
     labels, places, home = list(labels), [*places], list(labels)
     for k in order(range(len(labels))):
         weights = []

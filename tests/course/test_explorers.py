@@ -1,4 +1,4 @@
-"""What all explorers share: the picture and the words follow the sliders, and no error is swallowed."""
+"""What all explorers share: the picture and the words follow the sliders, and errors are shown and raised."""
 
 import html
 import re

@@ -74,7 +74,7 @@ def test_the_map_of_settings_writes_every_cell():
 
 
 def test_numbers_on_the_map_of_settings_can_be_read():
-    """Between the text and the colour under it lies enough contrast, from light to dark (WCAG: 4.5 for small text)."""
+    """Text and the colour under it have enough contrast, from light to dark (WCAG: 4.5 for small text)."""
     _, ax = plotting.new_figure()
     counts = np.array([[[5], [15], [40], [100], [170], [241], [600], [1185]]])
     pictures.plot_settings(ax, counts, (0.9,), (None,) * 8)

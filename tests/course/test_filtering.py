@@ -38,7 +38,7 @@ def add(mean, cov, xy, std, lever=1.0, power=2, turned=True, cross=1.0, only_pos
 
 
 def last_resort(squared, gate):
-    """Assign without the gate, then throw away what is beyond it."""
+    """Assign without the gate, then discard pairs beyond it."""
     rows, columns = linear_sum_assignment(squared)
     chosen = np.full(len(squared), -1)
     for row, column in zip(rows, columns, strict=True):
@@ -56,7 +56,7 @@ def in_turn(squared, gate):
 
 
 def clipped(squared, gate):
-    """Another right way: without columns to be left out in."""
+    """Another right answer, without extra columns for observations that are left out."""
     rows, columns = linear_sum_assignment(np.minimum(squared, gate))
     chosen = np.full(len(squared), -1)
     chosen[rows] = np.where(squared[rows, columns] < gate, columns, -1)
@@ -144,7 +144,7 @@ def ax():
 
 
 def assert_texts_fit(figure, within="figure"):
-    """All texts inside the figure, and none of an axes on another of it."""
+    """All texts are inside the figure, and no two texts of one axes overlap."""
     figure.draw_without_rendering()
     canvas = figure.get_window_extent()
     for ax in figure.axes:
@@ -201,7 +201,7 @@ def test_names_count_within_a_class():
 
 @pytest.mark.parametrize("radius", [0.5, 1.4, 3.0, 6.0])
 def test_the_gate_on_the_map_is_the_gate_of_the_filter(radius):
-    """A sighting lies inside the ellipse exactly when its Mahalanobis distance is below the radius."""
+    """An observation lies inside the ellipse exactly when its Mahalanobis distance is below the radius."""
     log, _ = simulate.toy_objects()
     step = list(filter_steps(log, labels=WITHOUT_OBJ_4))[4]
     state = step.prior_mean, step.prior_cov
@@ -272,9 +272,9 @@ def test_words_and_artists_agree_with_the_distances(explorer, size, second_gate)
         nearest = min(rivals, key=rivals.get)
         away = rivals[nearest]
         expected = nearest if away < size else "new" if away > wider else "left out"
-        told = re.search(rf"{name}: ([^;]*); ([^.;]*)\.", words)
-        assert told.group(2) == expected
-        assert f"{nearest} at {away:.2f}" in told.group(1)
+        stated = re.search(rf"{name}: ([^;]*); ([^.;]*)\.", words)
+        assert stated.group(2) == expected
+        assert f"{nearest} at {away:.2f}" in stated.group(1)
         assert f"{name}: {expected}" in [text.get_text() for text in ax.texts]
     for name in DISTANCES:
         assert words.count(name) == 1

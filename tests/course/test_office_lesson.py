@@ -191,7 +191,7 @@ def entry(request):
 
 
 def drawn_texts(figure):
-    """Every text on flat axes and in legends that is really seen: not the ticks beyond the ends of an axis."""
+    """Every visible text on flat axes and in legends: not the ticks beyond the ends of an axis."""
     figure.draw_without_rendering()
     texts = [text for legend in figure.findobj(Legend) for text in legend.get_texts()]
     for ax in figure.axes:

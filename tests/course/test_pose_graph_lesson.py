@@ -143,7 +143,7 @@ def test_exercise_4_names_the_mistake(student, message):
 
 
 def test_exercise_4_accepts_any_way_to_hold_pose_0():
-    """Ones on the block of pose 0 give the same step: the rest of the system cannot push it."""
+    """With the identity added to the block of pose 0 the step is the same: it does not move pose 0."""
 
     def with_a_prior(H, b):
         H[:3, :3] += np.eye(3)

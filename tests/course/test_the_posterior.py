@@ -1,4 +1,4 @@
-"""Lesson 11: its scenes are as told, its pictures and sliders tell the truth, its checks know the usual mistakes."""
+"""Lesson 11: its scenes are as described, pictures and sliders tell the truth, checks know the usual mistakes."""
 
 import itertools
 import math
@@ -349,7 +349,7 @@ def test_figure_22_can_be_read():
 
 @pytest.mark.slow
 def test_probabilities_are_true_once_the_border_is_weighed_in():
-    """The method lets chairs stand outside the square; weighing partitions by the share inside it mends what is off."""
+    """The method lets chairs stand outside the square; weighing partitions by the share inside corrects this."""
     rng, noise = np.random.default_rng(11), np.random.default_rng(12).normal(size=(200, 12))
     plain, weighed = [], []
     for world in range(300):

@@ -53,7 +53,7 @@ WRONG = [
     (2, lambda xy, c, r: np.arange(len(xy)), "nothing joins"),
     (2, first_within_reach, "not the nearest"),
     (2, lambda xy, c, r: checks._nearest_index(xy, c, r), "place in the list"),
-    (2, lambda xy, c, r: checks.join(xy, c, r, founders=True), "first of an object only"),
+    (2, lambda xy, c, r: checks.join(xy, c, r, firsts=True), "first of an object only"),
     (2, lambda xy, c, r: c, "everything joins"),
     (2, lambda xy, c, r: np.arange(len(xy)) // 2, "you find 13 objects, not 20"),
     (3, lambda n: 2 ** (n - 1), "where a row can be cut"),

@@ -66,7 +66,7 @@ def solved_names(lesson: str) -> dict:
 
 
 def assert_accepts_the_solution_and_no_blank(check: Callable, solution: Callable) -> None:
-    """The solution passes; every kind of blank is told that it is one."""
+    """The solution passes; every kind of blank is reported as blank."""
     assert check(solution).passed
     for blank in (..., None, lambda *a: ..., lambda *a: None):
         verdict = check(blank)

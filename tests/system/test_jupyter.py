@@ -1,4 +1,4 @@
-"""``lab`` on machines where somebody has other ideas: foreign kernels, folders, settings and backends."""
+"""``lab`` on machines with other set-ups: foreign kernels, folders, settings and backends."""
 
 import contextlib
 import json

@@ -45,7 +45,7 @@ def check_foreground_centre(foreground_centre) -> Verdict:
     rng = np.random.default_rng(2)
     for _ in range(5):
         front = rng.normal([rng.uniform(-1, 1), 0.3, 2.0], [0.1, 0.2, 0.04], (60, 3))
-        # A wall behind, and a few stray readings before: the nearest point is not the object.
+        # A wall behind, and a few stray readings in front: the nearest point is not the object.
         wall, stray = rng.normal([0.6, 0.0, 3.5], 0.1, (40, 3)), rng.normal([0.0, 0.0, 0.8], 0.02, (3, 3))
         points = rng.permutation(np.concatenate([front, wall, stray]))
         answer, verdict = array_from("the centre", foreground_centre, (2,), points.copy())
@@ -102,11 +102,11 @@ def check_position_variance(position_variance) -> Verdict:
 
 
 def check_valid_and_inliers(valid_and_inliers) -> Verdict:
-    """Exercise 4: ``valid_and_inliers(votes, epsilon)`` -> number of valid objects, number of their sightings."""
+    """Exercise 4: ``valid_and_inliers(votes, epsilon)`` -> number of valid objects, number of their observations."""
     rng = np.random.default_rng(4)
     for _ in range(8):
         votes = np.column_stack([np.ones(12), rng.integers(1, 9, 12), rng.integers(0, 3, (12, 2))]).astype(float)
-        # Exactly at the bar in half of the cases: such an object stays.
+        # Exactly at the threshold in about half of the cases: such an object stays.
         epsilon = rng.choice([1 / votes[0].sum(), rng.uniform(0.1, 0.3)])
         answer, verdict = array_from("the pair", valid_and_inliers, (2,), votes.copy(), epsilon)
         if verdict:
@@ -175,7 +175,7 @@ def _camera_pose(position: np.ndarray, heading: float, tilt: float) -> np.ndarra
 
 
 def _compared(answer: np.ndarray, truth: np.ndarray, mistakes: dict) -> Verdict | None:
-    """None where the answer is right; else the verdict that names the mistake, or the size of the difference."""
+    """None if the answer is right; else a verdict that names the mistake, or the size of the difference."""
     difference = f"the largest difference from what it should be is {np.abs(answer - truth).max():.3g}"
     return judge(answer, truth, mistakes, difference, same=_close, like=_close)
 

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from exercises import checks_and_solutions
+from exercises import assert_names_the_mistake, checks_and_solutions
 from readable import assert_readable
 
 from npslam_teach import association, plotting, se2
@@ -109,9 +109,7 @@ WRONG = [
 
 @pytest.mark.parametrize(("number", "mistake", "message"), WRONG)
 def test_usual_mistakes_are_named(number, mistake, message):
-    verdict = CHECKS[number](mistake)
-    assert not verdict.passed
-    assert message in verdict.message
+    assert_names_the_mistake(CHECKS[number], mistake, message)
 
 
 def test_other_right_ways_are_right():

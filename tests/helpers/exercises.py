@@ -73,6 +73,13 @@ def assert_accepts_the_solution_and_no_blank(check: Callable, solution: Callable
         assert not verdict.passed and verdict.message == BLANK
 
 
+def assert_names_the_mistake(check: Callable, answer, message: str) -> None:
+    """The answer does not pass, and the verdict holds these words."""
+    verdict = check(answer)
+    assert not verdict.passed
+    assert message in verdict.message
+
+
 def assert_no_answer_breaks(check: Callable, answer) -> None:
     """A wrong answer of any type is refused and never raises, whether returned, handed over, or of a wrong arity."""
     assert not check(lambda *a: answer).passed

@@ -14,7 +14,6 @@ from npslam_teach.evaluation.consistency import degrees_of_freedom
 from npslam_teach.methods import METHODS, paper_settings, sample_posterior, settings_for
 from npslam_teach.methods.noise import with_noise
 from npslam_teach.methods.noise_estimate import estimate_noise
-from npslam_teach.methods.posterior import FEW
 from npslam_teach.methods.snapshots import snapshot
 from npslam_teach.pose_graph import fit
 from npslam_teach.system.progress import track
@@ -139,8 +138,8 @@ def remarks(options, log: RobotLog, settings: dict, found: experiments.Run, fits
 
 
 def searches_of(found: experiments.Run) -> int:
-    """How often ``posterior`` searched: it also keeps the start, the tracklets and, of a long log, the repaired end."""
-    return len(found.snapshots) - (3 if found.log.num_observations > FEW else 2)
+    """How often ``posterior`` searched: it also keeps the start, the tracklets and the repaired or polished end."""
+    return len(found.snapshots) - 3
 
 
 def settled(found: experiments.Run, settings: dict) -> bool | None:

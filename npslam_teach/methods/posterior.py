@@ -7,7 +7,8 @@ apart, and how far drift may have carried them apart. It has no kernel and no th
 1. ``tracklets``: the observations of one pass over one object.
 2. ``pose_graph.reduced_system``: chi2 as a quadratic form in the positions of the tracklets, all poses eliminated.
 3. ``annealing``: Gibbs moves and split-merge moves (``association.gibbs``), from hot to cold, several times.
-4. ``repair``: observations looked at again with the whole map at hand, and those that were left out.
+4. ``repair``: observations looked at again with the whole map at hand, and those that were left out. For logs of few
+   observations ``polish`` instead: every near rival judged around its own solution.
 """
 
 from collections.abc import Iterator
@@ -20,6 +21,7 @@ from npslam_teach.association import first_observations, require_alpha, same_par
 from npslam_teach.methods.annealing import COLD, TEMPERATURES, Model, State, anneal, rivals_of, settled
 from npslam_teach.methods.noise import with_noise
 from npslam_teach.methods.partition_score import with_whole_tracklets, without_displaced
+from npslam_teach.methods.polish import MARGIN, polished
 from npslam_teach.methods.repair import confirmed, cut_in_two, pieces, reassigned
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
 from npslam_teach.methods.tracklets import tied_both_ways
@@ -29,7 +31,6 @@ from npslam_teach.types import PoseGraph, RobotLog, Snapshot
 
 FEW = 64  # observations, up to which each is its own tracklet
 WARM, REPAIR_ROUNDS = (1.0, 0.3, 0.1), 3
-MARGIN = 3.0  # of the log posterior: what a repair must gain; less is within the error of linear models
 SAME = 1e-3  # of the log posterior: two starts have found the same
 
 
@@ -142,10 +143,13 @@ def _search(log: RobotLog, alpha: float, area: float | None, starts: int, seed: 
     for state in track(best_of_starts(model, graph, starts, (seed,)), starts, "posterior", "searches"):
         labels = model.of_observations(state.labels)
         yield labels, fit(log, labels, state.graph.poses)
-    if log.num_observations > FEW:
+    if log.num_observations <= FEW:
+        best = polished(model, state)
+        labels, graph = model.of_observations(best.labels), best.graph
+    else:
         labels, graph = _refined(model, state, np.random.default_rng([seed, starts]))
         labels = confirmed(log, graph, without_displaced(model, labels, graph), model.tracklet)
-        yield labels, fit(log, labels, graph.poses)
+    yield labels, fit(log, labels, graph.poses)
 
 
 def _refined(model: Model, state: State, rng: np.random.Generator) -> tuple[np.ndarray, PoseGraph]:
@@ -157,7 +161,7 @@ def _refined(model: Model, state: State, rng: np.random.Generator) -> tuple[np.n
     finer, state = _descended(finer, state, *pieces(model.tracklet, found[-1][0]), (COLD,), rng)
     found.append(with_whole_tracklets(model, finer.of_observations(state.labels), state.graph.poses))
     labels, graph, score = max(found, key=lambda each: each[2])
-    if score < found[0][2] + MARGIN:
+    if score < found[0][2] + MARGIN:  # less is within the error of linear models
         labels, graph, score = found[0]
     return labels, graph
 

@@ -1,0 +1,83 @@
+"""How often does ``posterior`` find the truth, and where it does not: did the search fail, or are the data ambiguous?
+
+    python3 -m npslam_teach.experiments.posterior_trials --noise 1 2 3 4 6 --seeds 100 [--data FILE.mat]
+
+The log posteriors of what was found and of the truth are compared in the same way, each around its own solution. Where
+the truth has the higher one the search has failed; where it has the lower one nobody could know better.
+"""
+
+import argparse
+import time
+
+import numpy as np
+
+from npslam_teach.evaluation import evaluate, wilson_interval
+from npslam_teach.experiments.paper_simulation import scenes
+from npslam_teach.experiments.runs import Scene
+from npslam_teach.methods import METHODS
+from npslam_teach.methods.partition_score import partition_score
+from npslam_teach.methods.posterior import in_time, start_model
+from npslam_teach.pose_graph import fit
+from npslam_teach.system.progress import progress_shown, track
+
+LEAST_ARI = 0.99
+
+
+def trial(scene: Scene) -> dict:
+    """One run: whether it is right, the log posteriors, and how long it took.
+
+    Returns:
+        seed, noise, objects, ari, right, seconds (of the processor), found and truth (log posteriors; an observation
+        left out counts as an object of its own), and verdict: right, search (the truth was better) or data.
+    """
+    begin = time.process_time()
+    *_, last = METHODS["posterior"](scene.log)
+    seconds, metrics = time.process_time() - begin, evaluate(last, scene.truth, scene.log)
+    ordered, back = in_time(scene.log)
+    model, _ = start_model(ordered)
+    scores = []
+    for labels, poses in ((last.labels, last.graph.poses), (scene.truth.obs_object, scene.truth.poses)):
+        in_order = labels[np.argsort(back)]
+        used = in_order >= 0
+        in_order = np.where(used, np.unique(in_order, return_inverse=True)[1] - int(not used.all()), -1)
+        scores.append(partition_score(model, in_order, fit(ordered, in_order, poses)))
+    right = metrics.num_objects == metrics.num_objects_true and metrics.ari >= LEAST_ARI
+    verdict = "right" if right else "search" if scores[1] > scores[0] else "data"
+    numbers = {"objects": metrics.num_objects, "ari": metrics.ari, "right": bool(right), "seconds": seconds}
+    scored = {"found": scores[0], "truth": scores[1], "verdict": verdict}
+    return {"seed": scene.seed, "noise": scene.noise} | numbers | scored
+
+
+def summary(rows: list[dict]) -> str:
+    """One line for the rows of one noise."""
+    right = sum(row["right"] for row in rows)
+    low, high = wilson_interval(right, len(rows))
+    verdicts = [f"{name} {sum(row['verdict'] == name for row in rows)}" for name in ("search", "data")]
+    median = np.median([row["seconds"] for row in rows])
+    share = f"right {right} of {len(rows)} (95%: {low:.3f} to {high:.3f})"
+    return f"noise {rows[0]['noise']:g}: {share}; failures: {', '.join(verdicts)}; median {median:.2f} s"
+
+
+def main() -> None:
+    """Run the trials that are asked for and print a line for each noise, and one for each failure."""
+    parser = argparse.ArgumentParser(description="how often the posterior method finds the truth")
+    parser.add_argument("--noise", type=float, nargs="+", default=[1.0, 2.0, 3.0, 4.0, 6.0])
+    parser.add_argument("--seeds", type=int, default=100)
+    parser.add_argument("--first-seed", type=int, default=5000)
+    parser.add_argument("--data", help="the authors' simulation; default: the same scene built here")
+    options = parser.parse_args()
+    seeds = range(options.first_seed, options.first_seed + options.seeds)
+    with progress_shown():
+        for noise in options.noise:
+            drawn = track(scenes(options.data, noise, seeds), options.seeds, f"noise {noise:g}", "runs")
+            rows = [trial(scene) for scene in drawn]
+            print(summary(rows), flush=True)
+            for row in (row for row in rows if not row["right"]):
+                scores = f"log posterior found {row['found']:.1f}, truth {row['truth']:.1f}"
+                print(
+                    f"  seed {row['seed']}: {row['objects']} objects, ARI {row['ari']:.4f}, {scores}: {row['verdict']}"
+                )
+
+
+if __name__ == "__main__":
+    main()

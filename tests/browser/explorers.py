@@ -1,7 +1,9 @@
 """Explorers as they stand in a page, and the same ones made here: what a page shows is compared with the library."""
 
 import contextlib
+import functools
 import io
+import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +11,7 @@ from pathlib import Path
 import ipywidgets
 import nbformat
 from lab_server import ROOT, timeout_error
+from slices import needed_statements
 
 from npslam_teach.course.explorers import Explorer
 
@@ -24,16 +27,20 @@ def lessons_with_explorers() -> list[str]:
     return [path.name for path in paths if EXPLORE.search(path.read_text(encoding="utf-8"))]
 
 
+@functools.cache
 def explorers_of(lesson: str) -> list[Explorer]:
-    """The explorers of a lesson, made by running its cells in this process, in the order of their cells."""
+    """The explorers of a lesson, in the order of their cells, made in this process of the cells that they depend on.
+
+    They are made once in a process, and stand where the last test has left them.
+    """
     cells = nbformat.read(ROOT / "notebooks" / lesson, as_version=4).cells
     # The cell that gets the course where it is missing awaits, as only a notebook can.
     installing = [cell for cell in cells if "install" in cell.metadata.get("tags", [])]
     sources = [cell.source for cell in cells if cell.cell_type == "code" and cell not in installing]
-    with_explorers = [k for k, source in enumerate(sources) if EXPLORE.search(source)]
+    with_explorers = {k for k, source in enumerate(sources) if EXPLORE.search(source)}
     namespace = {"__name__": lesson}
     with contextlib.redirect_stdout(io.StringIO()):
-        for k, source in enumerate(sources[: max(with_explorers, default=-1) + 1]):
+        for k, source in enumerate(needed_statements(sources, with_explorers)):
             exec(compile(source, f"{lesson}, code cell {k}", "exec"), namespace)
     return [each for each in namespace.values() if isinstance(each, Explorer)]
 
@@ -78,13 +85,13 @@ class Shown:
     """An explorer in the page, and its twin in this process."""
 
     def __init__(self, page, number: int, twin: Explorer):
-        self.page, self.number, self.twin = page, number, twin
+        self.page, self.number, self.twin, self._answers = page, number, twin, {}
         self.root = root = page.locator(EXPLORER).nth(number)
         root.scroll_into_view_if_needed()
         rows = root.locator(".widget-inline-hbox", has=page.locator("label"))
         self.controls = []
         for name, widget in twin.sliders.items():
-            row = rows.filter(has=page.locator(f"label:text-is('{widget.description}')"))
+            row = rows.filter(has=page.locator(f"label:text-is({json.dumps(widget.description)})"))
             focus = "select" if isinstance(widget, ipywidgets.Dropdown) else "[role=slider]"
             self.controls.append(Control(name, widget, row.locator(focus), row.locator(".widget-readout")))
         root.evaluate(MEASURE)
@@ -103,16 +110,25 @@ class Shown:
         )
 
     def expected(self) -> dict:
-        """The library's answer for what the page's controls are set to."""
-        words = self.twin.move(**self.values())
-        return {"source": re.search('src="([^"]*)"', self.twin._picture.value).group(1), "alt": words, "words": words}
+        """The library's answer for what the page's controls are set to, which it is asked for once."""
+        values = self.values()
+        place = tuple(values.values())
+        if place not in self._answers:
+            words = self.twin.move(**values)
+            source = re.search('src="([^"]*)"', self.twin._picture.value).group(1)
+            self._answers[place] = {"source": source, "alt": words, "words": words}
+        return self._answers[place]
 
-    def press(self, control: Control, forward: bool) -> dict:
-        """Press an arrow key, wait until the answer is painted, and check all of it; returns what is shown then."""
+    def press(self, control: Control, forward: bool) -> None:
+        """Press an arrow key, and wait until another picture, or other words, are painted."""
         known, before = self.root.evaluate("root => root.latencies.length"), control.index()
         control.locator.press(control.key(forward))
         self.wait("root.latencies.length > known", known, f"{control.name}: the picture did not change")
         assert control.index() == before + (1 if forward else -1)
+
+    def press_and_compare(self, control: Control, forward: bool) -> dict:
+        """Press an arrow key and check all of the answer; returns what is shown then."""
+        self.press(control, forward)
         shown, expected = self.picture(), self.expected()
         for what in ("words", "alt"):
             assert shown[what] == expected[what], f"{shown[what]!r} for {expected[what]!r}"
@@ -140,8 +156,8 @@ class Shown:
         last = len(control.values()) - 1 - control.index()
         forward = last >= control.index()
         presses = min(max(last, control.index()), most)
-        there = [self.press(control, forward) for _ in range(presses)]
-        return there + [self.press(control, not forward) for _ in range(presses)]
+        there = [self.press_and_compare(control, forward) for _ in range(presses)]
+        return there + [self.press_and_compare(control, not forward) for _ in range(presses)]
 
     def names_in_the_accessibility_tree(self) -> list[tuple[str, str]]:
         """(role, name) of all in this explorer that a screen reader can come to."""

@@ -102,14 +102,27 @@ def opened(chromium, lab):
 
 @pytest.fixture
 def room(opened):
-    """The widget as it was at first: fifteen objects, drawing the path, nothing selected."""
+    """The widget as it was at first: fifteen objects, drawing the path, nothing selected.
+
+    It is seen by somebody who has asked for no motion: the map goes from round to round at once, which saves most of
+    what a page has to paint.
+    """
+    opened.page.emulate_media(reduced_motion="reduce")
     opened.page.set_viewport_size(LARGE_WINDOW)
     opened.root.get_by_role("button", name="Draw the path").click()
     opened.root.get_by_role("combobox", name="World", exact=True).select_option("fifteen")
     opened.wait()
+    opened.root.locator(".bars button").last.press("Enter")  # nobody needs to wait for the rounds in between
     opened.rest()
     yield opened
     assert not opened.errors
+
+
+@pytest.fixture
+def moving_room(room):
+    """The same, seen by somebody who has asked for nothing: everything glides from round to round."""
+    room.page.emulate_media(reduced_motion="no-preference")
+    return room
 
 
 def apart(color: str, other: str) -> int:
@@ -122,7 +135,8 @@ def eight(rounds: float, num_points: int = 90) -> list:
     return np.column_stack([6 + 4.2 * np.sin(phase), 4 + 2.6 * np.sin(2 * phase)]).tolist()
 
 
-def test_drawing_a_path_with_the_mouse(room):
+def test_drawing_a_path_with_the_mouse(moving_room):
+    room = moving_room
     before = room.words, room.bars
     assert before[1][0] > 1000 and "15 were there to be seen" in before[0]
     drawn = [(1.5, 2.0), (5.0, 2.2), (10.0, 2.0), (10.5, 5.5), (6.0, 5.6), (2.0, 5.5)]
@@ -157,7 +171,8 @@ def test_dragging_an_object_and_dropping_another(room):
     assert len(set(solved.truth.obs_object)) == 16 and "16 were there to be seen" in room.words
 
 
-def test_the_map_follows_the_drag_and_shows_the_estimate_in_the_colour_of_its_class(room):
+def test_the_map_follows_the_drag_and_shows_the_estimate_in_the_colour_of_its_class(moving_room):
+    room = moving_room
     assert room.color(5.0, 5.5) == "#ffffff"
     before, request = room.painting(), room.root.get_attribute("data-request")
     room.page.mouse.move(*room.pixel(8.4, 4.2))
@@ -275,6 +290,28 @@ def test_every_round_can_be_looked_at(room):
     assert len(seen) >= len(rounds) - 1, "rounds look different, but for the last, which may change nothing"
 
 
+def test_the_rounds_glide_but_not_for_those_who_want_no_motion(room):
+    """Which rounds the map shows on its way from the first to the last: whole ones, or also something in between."""
+    shown = {}
+    for motion in ("reduce", "no-preference"):
+        room.page.emulate_media(reduced_motion=motion)
+        room.root.evaluate(
+            """root => {
+                root.seen = [];
+                root.watcher = new MutationObserver(() => root.seen.push(Number(root.dataset.round)));
+                root.watcher.observe(root, { attributes: true, attributeFilter: ["data-round"] });
+            }"""
+        )
+        room.root.get_by_role("button", name="Play the rounds").click()
+        room.page.wait_for_function("document.querySelector('.draw-world').seen.length > 0")
+        room.rest()
+        shown[motion] = room.root.evaluate("root => { root.watcher.disconnect(); return root.seen; }")
+    whole = list(range(len(room.bars)))
+    assert shown["reduce"] == whole
+    glided = shown["no-preference"]
+    assert glided == sorted(glided) and set(glided) - set(whole) and glided[-1] == whole[-1]
+
+
 def test_saving_and_loading(room):
     room.drag(eight(1.0))
     room.wait()
@@ -339,12 +376,12 @@ def test_drawings_do_not_pile_up_while_the_kernel_works(room):
     assert log.odometry_std[0] == pytest.approx(np.hypot(0.01, 1.0 * 0.02))
 
 
-def test_the_first_result_is_there_within_300_ms(room, record_property):
+def test_the_first_result_is_there_within_300_ms(moving_room, record_property):
     """From lifting the mouse to the first painted picture of the answer, on a path of 300 poses.
 
     On a machine busy with other work it may take twice as long as the library takes beside it for the whole answer.
     """
-    first, last, peer = [], [], []
+    room, first, last, peer = moving_room, [], [], []
     world = room.saved("peer.npz")
     for _ in range(3):
         begin = time.perf_counter()

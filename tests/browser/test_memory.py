@@ -1,4 +1,7 @@
-"""A class plays with a slider for an hour: neither the page nor the kernel may grow with every step."""
+"""A class plays with a slider for an hour: neither the page nor the kernel may grow with every step.
+
+Whether a page shows what the library says is the business of ``test_lessons``.
+"""
 
 import gc
 import itertools

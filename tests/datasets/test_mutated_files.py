@@ -17,10 +17,13 @@ from pathlib import Path
 
 import psutil
 import pytest
-from mutations import SUFFIXES, damaged
+from mutation_worker import arguments_for
+from mutations import BOMBS, DEEP, SUFFIXES, blind, damaged, kind_of
+
+from npslam_teach.methods import METHODS
 
 HELPERS = Path(__file__).parents[1] / "helpers"
-FILES_PER_FORMAT, DISTINCT_PER_FORMAT = 1_000, 850
+FILES_PER_FORMAT, DISTINCT_PER_FORMAT = 2_000, 1_700
 MOST_SECONDS, MOST_MEGABYTES = 2.0, 500.0
 PATIENCE = 60.0  # seconds of silence after which a file counts as a hang, unless the worker has only been waiting its
 MOST_CPU_SECONDS = 20.0  # turn on a busy machine: it must have rested, or used the processor for so long
@@ -131,6 +134,16 @@ def test_a_damaged_file_is_known_by_its_number():
     for suffix in SUFFIXES:
         for number in range(0, 400, 20):
             assert damaged(suffix, number) == damaged(suffix, number)
+
+
+@pytest.mark.parametrize("suffix", ["npz", "mat"])
+def test_every_method_meets_every_kind_of_damage(suffix):
+    met = collections.defaultdict(set)
+    for number in range(FILES_PER_FORMAT):
+        *_, method = (word for word in arguments_for(Path(f"x.{suffix}"), number) if word in METHODS)
+        met[method].add(kind_of(suffix, number))
+    assert met.keys() == METHODS.keys()
+    assert all(kinds >= {blind, *DEEP[suffix], BOMBS[suffix]} for kinds in met.values())
 
 
 # ---- the harness itself notices ----

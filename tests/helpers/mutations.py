@@ -40,12 +40,16 @@ def damaged(suffix: str, number: int, bases: dict | None = None) -> Damaged:
     """Damaged file ``number`` of a format; ``bases`` are the intact files (suffix -> list of bytes), ours if None."""
     bases = bases or intact_files()
     rng = np.random.default_rng([SEED, SUFFIXES.index(suffix), number])
-    deep = DEEP[suffix]
-    kind = deep[number // 3 % len(deep)] if number % 3 else blind
-    if number % BOMB_EVERY == 1:
-        kind = BOMBS.get(suffix, kind)
+    kind = kind_of(suffix, number)
     contents = kind(bases[suffix][rng.integers(len(bases[suffix]))], rng)
     return Damaged(f"{suffix}-{number}-{kind.__name__}", contents, suffix, number)
+
+
+def kind_of(suffix: str, number: int):
+    """What damages file ``number`` of a format: a third are damaged blindly, the others deep, some are bombs."""
+    if number % BOMB_EVERY == 1 and suffix in BOMBS:
+        return BOMBS[suffix]
+    return DEEP[suffix][number // 3 % len(DEEP[suffix])] if number % 3 else blind
 
 
 # ---- the intact files ----
@@ -507,6 +511,7 @@ def npz_bomb(contents: bytes, rng) -> bytes:
     """A few kilobytes that unpack to hundreds of megabytes: in one field, or a little in every field."""
     entries = _entries(contents)
     names = list(entries) if rng.random() < 0.3 else [str(rng.choice(list(entries)))]
+    bombs = {}
     for name in names:
         columns = rng.choice(["", "3,", "2,"])
         # Anything below 64 MB might be the log of a robot that stood still for long.
@@ -514,11 +519,46 @@ def npz_bomb(contents: bytes, rng) -> bytes:
         count = size // 8 // (int(columns[0]) if columns else 1)
         kind = str(rng.choice(["<f8", "<i8"]))
         header = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': ({count}, {columns}), }}".encode()
-        entries[name] = b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header + b"\0" * size
-    packed = zip_bytes(entries)
+        bombs[name] = b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header, size
+    packed = _bombs_in_zip(entries, bombs)
     if rng.random() < 0.5:  # the directory claims less, or more
         return packed
     return _poked(packed, b"PK\x01\x02", 24, rng)
+
+
+def _bombs_in_zip(entries: dict, bombs: dict) -> bytes:
+    """An archive in which some entries are a head and so many zeros: name -> (head, number of zeros)."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, contents in entries.items():
+            entry = zipfile.ZipInfo(name)
+            if name not in bombs:
+                archive.writestr(entry, contents, zipfile.ZIP_DEFLATED)
+                continue
+            packed, crc, size = _deflated(*bombs[name])
+            archive.writestr(entry, packed, zipfile.ZIP_STORED)
+            # It is not stored but packed already: the directory, and the header before the entry, must say so.
+            entry.compress_type, entry.CRC, entry.file_size = zipfile.ZIP_DEFLATED, crc, size
+            stream.seek(entry.header_offset)
+            stream.write(entry.FileHeader(zip64=False))
+    return stream.getvalue()
+
+
+def _deflated(head: bytes, zeros: int, unit: bytes = bytes(8), check=zlib.crc32) -> tuple[bytes, int, int]:
+    """A head and so many bytes of a repeated unit: the raw deflated stream, checksum and unpacked size.
+
+    A packer that forgets what went before packs a megabyte to the same bytes each time, so one is packed for all.
+    """
+    packer = zlib.compressobj(wbits=-15)
+    megabyte = unit * (2**20 // len(unit))
+    times, rest = divmod(zeros, len(megabyte))
+    pieces = [packer.compress(head) + packer.flush(zlib.Z_FULL_FLUSH)]
+    pieces += [packer.compress(megabyte) + packer.flush(zlib.Z_FULL_FLUSH)] * times
+    pieces += [packer.compress(megabyte[:rest]) + packer.flush()]
+    checksum = check(head)
+    for _ in range(times):
+        checksum = check(megabyte, checksum)
+    return b"".join(pieces), check(megabyte[:rest], checksum), len(head) + zeros
 
 
 def _entries(contents: bytes) -> dict:
@@ -635,13 +675,15 @@ def mat_bomb(contents: bytes, rng) -> bytes:
     head = struct.pack("<IIII", 6, 8, matlab_class, 0)
     shape = [(size // (8 if kind == 9 else 4 if kind == 5 else 1) // 3, 3), (1, size // 16)][matlab_class == 2]
     head += struct.pack("<IIii", 5, 8, *shape) + struct.pack("<II", 1, len(name)) + name + b"\0" * (-len(name) % 8)
+    unit = bytes(8)
     if matlab_class == 2:
         head += struct.pack("<HHi", 5, 4, 8) + struct.pack("<II", 1, 16) + b"T".ljust(8, b"\0") + b"objects\0"
-        body = struct.pack("<II", 14, 0) * (size // 8)
+        unit = struct.pack("<II", 14, 0)
     else:
-        body = struct.pack("<II", kind, size) + b"\0" * size
-    element = struct.pack("<II", 14, len(head) + len(body)) + head + body
-    packed = zlib.compress(element, 1)
+        head += struct.pack("<II", kind, size)
+    head = struct.pack("<II", 14, len(head) + size) + head
+    packed, checksum, _ = _deflated(head, size, unit, zlib.adler32)
+    packed = b"\x78\x9c" + packed + struct.pack(">I", checksum)
     return contents[:128] + struct.pack("<II", 15, len(packed)) + packed
 
 

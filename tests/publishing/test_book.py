@@ -275,7 +275,8 @@ def browser():
 
 
 @pytest.mark.slow
-def test_the_book_prints_to_pdf(tmp_path, browser, capsys):
+def test_the_book_prints_to_pdf(tmp_path, browser, source, monkeypatch):
+    monkeypatch.setattr(book, "book_html", lambda folder: source)  # that the command makes it is tested above
     assert parser.main(["book", "--out", str(tmp_path / "book.pdf"), "--browser", browser]) == 0
     content = (tmp_path / "book.pdf").read_bytes()
     assert content.startswith(b"%PDF-") and content.rstrip().endswith(b"%%EOF")

@@ -393,7 +393,8 @@ function render({ model, el }) {
       const last = result.rounds.length - 1; // grows while the kernel works
       const elapsed = Math.max(now - begin, 0) / (DWELL + GLIDE), whole = Math.floor(elapsed); // a frame begins in the past
       const part = clamp(((elapsed - whole) * (DWELL + GLIDE) - DWELL) / GLIDE, 0, 1);
-      showRound(Math.min(whole + (still ? 0 : part * part * (3 - 2 * part)), last));
+      const position = Math.min(whole + (still ? 0 : part * part * (3 - 2 * part)), last);
+      if (now === begin || position !== shown) showRound(position); // while a round stands still there is nothing to paint
       playing = shown < last || !result.done ? requestAnimationFrame(step) : 0;
     };
     step(begin);

@@ -53,7 +53,7 @@ def explore_kernel(scenes: dict, results: dict[tuple, Snapshot]) -> Explorer:
         return words(noise, kernel_std, last, scenes[noise][1])
 
     sliders = {
-        "noise": slider("noise (times the paper's)", int(min(scenes)), int(min(scenes)), int(max(scenes)), 1),
+        "noise": slider("noise (paper = 1)", int(min(scenes)), int(min(scenes)), int(max(scenes)), 1),
         "kernel_std": choice("kernel width (m)", {f"{width:g}": width for width in kernels}),
     }
     return Explorer(figure, update, **sliders)

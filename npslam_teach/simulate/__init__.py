@@ -1,7 +1,7 @@
 """Worlds, paths and noisy runs through them. The only place where noise is drawn.
 
 ``runs`` drives any path through any world; the other modules each hold a scene, ``drawn`` that of a student and
-``gallery`` those that break the method.
+``gallery`` those that break the method, ``recording`` what a robot writes down that errs as real ones do.
 """
 
 from npslam_teach.simulate.fifteen_objects import FIFTEEN_CLASSES, designed_path, fifteen_objects, scattered_world
@@ -10,6 +10,7 @@ from npslam_teach.simulate.grid_of_rooms import grid_of_rooms
 from npslam_teach.simulate.hand_drawn import Drawing, drawn_run
 from npslam_teach.simulate.office import OFFICE_CLASSES, office, office_scene
 from npslam_teach.simulate.office_camera import rendered_frame, rendered_frame_and_truth
+from npslam_teach.simulate.recording import Recording, recording, write_mrclam
 from npslam_teach.simulate.robot_run import add_noise, carried, follow, paper_sensor, simulate_run, visible_objects
 from npslam_teach.simulate.toy import TOY_CLASSES, toy_objects
 
@@ -20,6 +21,7 @@ __all__ = [
     "TOY_CLASSES",
     "Drawing",
     "GalleryWorld",
+    "Recording",
     "add_noise",
     "carried",
     "designed_path",
@@ -31,10 +33,12 @@ __all__ = [
     "office",
     "office_scene",
     "paper_sensor",
+    "recording",
     "rendered_frame",
     "rendered_frame_and_truth",
     "scattered_world",
     "simulate_run",
     "toy_objects",
     "visible_objects",
+    "write_mrclam",
 ]

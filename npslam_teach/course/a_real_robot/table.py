@@ -1,0 +1,61 @@
+"""The runs of lesson 12, made in advance: the tables beside this file, which ``experiments.real_robot`` makes anew."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from npslam_teach.experiments.real_robot import COLUMNS, LABEL_COLUMNS, NOISE_COLUMNS, Case, read_table
+
+FOLDER = Path(__file__).parent
+
+
+@cache
+def _runs() -> tuple[dict, ...]:
+    return tuple(read_table(FOLDER / "runs.csv", COLUMNS))
+
+
+@cache
+def _noise() -> tuple[dict, ...]:
+    return tuple(read_table(FOLDER / "noise.csv", NOISE_COLUMNS))
+
+
+def runs_of(method: str, noise: str = "own", factor: float = 1.0, classes: int = 5) -> list[dict]:
+    """The rows of a case in the order of their seeds; see ``experiments.real_robot`` for what the words mean.
+
+    Raises:
+        ValueError: the table has none.
+    """
+    case = Case(method, noise, factor, classes)
+    rows = [row for row in _runs() if Case(*(row[name] for name in Case._fields)) == case]
+    if not rows:
+        raise ValueError(f"case: expected one that was run, got {case}")
+    return rows
+
+
+def column(name: str, method: str, noise: str = "own", factor: float = 1.0, classes: int = 5) -> np.ndarray:
+    """One column of ``runs_of``, (20,)."""
+    return np.array([row[name] for row in runs_of(method, noise, factor, classes)])
+
+
+def noise_of(name: str, factor: float = 1.0) -> np.ndarray:
+    """A column (20,) of the estimates of the noise that began with so many times the log's own."""
+    return np.array([row[name] for row in _noise() if row["factor"] == factor])
+
+
+def labels_of(method: str, factor: float) -> np.ndarray:
+    """(M,) what a method says of recording 0.
+
+    Raises:
+        ValueError: it is not stored.
+    """
+    for row in read_table(FOLDER / "labels.csv", LABEL_COLUMNS):
+        if (row["method"], row["factor"]) == (method, factor):
+            return np.array(row["labels"].split(), dtype=int)
+    raise ValueError(f"labels: expected a method and factor of labels.csv, got {method} and {factor:g}")
+
+
+def median_and_range(values: np.ndarray, decimals: int) -> str:
+    """Median and the whole spread in words: ``17 (15 to 22)``."""
+    shown = (f"{value:.{decimals}f}" for value in (np.median(values), values.min(), values.max()))
+    return "{} ({} to {})".format(*shown)

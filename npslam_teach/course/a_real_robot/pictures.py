@@ -11,11 +11,13 @@ from npslam_teach.plotting.maps import plot_trajectory, plot_truth
 from npslam_teach.plotting.style import (
     ESTIMATE_COLOR,
     TRUTH_LINE,
+    class_handles,
     class_style,
     label_axes,
     label_map,
     legend_beside,
     method_style,
+    path_handles,
 )
 from npslam_teach.types import GroundTruth, RobotLog
 
@@ -26,7 +28,9 @@ KNOWN_LOOK = {"color": "0.45", "marker": "X"}
 def plot_wheels(ax: Axes, log: RobotLog, truth: GroundTruth, title: str = "what the wheels say") -> Axes:
     """A map of the true path and landmarks, and of the path that the wheels tell from the same first pose."""
     plot_truth(ax, truth)
-    plot_trajectory(ax, se2.dead_reckoning(log.odometry, truth.poses[0]), label="by the wheels")
+    plot_trajectory(ax, se2.dead_reckoning(log.odometry, truth.poses[0]))
+    names = truth.world.class_names
+    legend_beside(ax, class_handles(range(len(names)), names) + path_handles(("estimated path", "true path", "start")))
     return label_map(ax, title)
 
 

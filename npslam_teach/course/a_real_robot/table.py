@@ -38,9 +38,9 @@ def column(name: str, method: str, noise: str = "own", factor: float = 1.0, clas
     return np.array([row[name] for row in runs_of(method, noise, factor, classes)])
 
 
-def noise_of(name: str, factor: float = 1.0) -> np.ndarray:
-    """A column (20,) of the estimates of the noise that began with so many times the log's own."""
-    return np.array([row[name] for row in _noise() if row["factor"] == factor])
+def noise_of(name: str) -> np.ndarray:
+    """A column (20,) of the estimates of the noise."""
+    return np.array([row[name] for row in _noise()])
 
 
 def labels_of(method: str, factor: float) -> np.ndarray:

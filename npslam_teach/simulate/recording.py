@@ -18,7 +18,7 @@ ROOM = np.array([5.0, 7.0])  # m
 FIRST_LANDMARK, NUM_LANDMARKS = 6, 15  # subjects 1 to 5 are robots
 TICK, JITTER = 0.1, 0.004  # s, of the wheels' clock
 SPEED, TURN_RATE, TRACK = 0.2, 0.6, 0.25  # m/s, rad/s at most, m between the wheels
-# The share of its speed that a wheel gains or loses: by its size, by slipping alone and with the other, and shaking (m/s).
+# Of its speed a wheel gains or loses a share: by its size, by slipping alone and with the other; shaking in m/s.
 SIZE_STD, SLIP_STD, BOTH_SLIP_STD, SLIP_LASTS, SHAKE_STD = 0.015, 0.025, 0.08, 5.0, 0.03
 FRAME, LATE, SHORT, FAR, HALF_VIEW, READ = 0.8, 0.05, 0.5, 5.5, 0.55, 0.75  # s, s, m, m, rad, probability
 PASS_ENDS = 3.0  # s out of view

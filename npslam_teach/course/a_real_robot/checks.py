@@ -53,7 +53,7 @@ def check_lag_one(lag_one: Callable) -> Verdict:
         return (top / (below if over_all else 1.0)) ** (0.5 if root else 1.0)
 
     mistakes = {
-        "the last sighting of a pass and the first of the next are no neighbours: only pairs of one pass count": partial(
+        "the last of a pass and the first of the next are no neighbours: only pairs of one pass count": partial(
             variant, only_same=False
         ),
         "this is a covariance in m^2: divide by the mean square": partial(variant, over_all=False),

@@ -1,4 +1,4 @@
-"""The explorer of lesson 12: how much noise a method believes in, with the map of one recording and twenty in numbers."""
+"""The explorer of lesson 12: how much noise a method believes in, what it finds, and how well."""
 
 from npslam_teach import plotting
 from npslam_teach.course.a_real_robot import pictures, table
@@ -37,8 +37,8 @@ def explore_noise(results: dict[tuple, Snapshot]) -> Explorer:
     move_map = moving_map.plot_moving_map(left, list(results.values()), log, truth)
     pictures.plot_factors(middle, "objects", "objects (number, log scale)", len(truth.world.object_xy))
     pictures.plot_factors(right, "pose_error", "mean pose error (m, log scale)")
-    middle.set_title("twenty recordings: objects")
-    right.set_title("path")
+    middle.set_title("objects in all recordings")
+    right.set_title("path in all recordings")
     ring = {"markersize": 16, "markerfacecolor": "none", "color": ESTIMATE_COLOR, "markeredgewidth": 2.5}
     rings = [ax.plot([], [], "o", **ring)[0] for ax in (middle, right)]
     handles = moving_map.moving_map_handles(truth) + middle.get_legend_handles_labels()[0]
@@ -63,9 +63,10 @@ def words(method: str, factor: float, last: Snapshot, truth: GroundTruth) -> str
     """One recording, and the medians of all, in numbers."""
     labels = (singletons_for_unassigned(each) for each in (truth.obs_object, last.labels))
     ari, error = compare_partitions(*labels)[0], distances_to_truth(last, truth)[0].mean()
-    objects, path = (table.column(name, method, "own", factor) for name in ("objects", "pose_error"))
+    runs = [table.column(name, method, "own", factor) for name in ("objects", "pose_error")]
+    objects, path = (table.median_and_range(values, decimals) for values, decimals in zip(runs, (0, 2), strict=True))
     return (
         f"{method} believes {factor:g} times the true noise. Recording 0 (ring): {last.num_objects} objects, ARI "
-        f"{ari:.2f}, path off by {error:.2f} m. Twenty recordings: {table.median_and_range(objects, 0)} objects, path "
-        f"off by {table.median_and_range(path, 2)} m."
+        f"{ari:.2f}, path off by {error:.2f} m. {len(runs[0])} recordings: {objects} objects, path "
+        f"off by {path} m."
     )

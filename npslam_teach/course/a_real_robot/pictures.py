@@ -1,7 +1,8 @@
-"""Pictures of lesson 12: errors of every pass, their growth, estimates of noise, ellipses, and methods over recordings."""
+"""Pictures of lesson 12: errors by pass and over steps, estimates of noise, ellipses, and methods over recordings."""
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 from scipy.stats import chi2
 
 from npslam_teach import se2
@@ -42,6 +43,7 @@ def plot_errors(ax: Axes, log: RobotLog, truth: GroundTruth, count: int = 80, ti
         log: what was measured.
         truth: what each sighting should have been.
         count: sightings, from the first.
+        title: of the axes.
     """
     first = np.where(np.arange(log.num_observations) < count, truth.obs_object, -1)
     order, passes = errors.in_passes(first, log.obs_time)
@@ -68,8 +70,8 @@ def plot_growth(ax: Axes, curves: dict) -> Axes:
     steps = np.array(steps)
     ax.plot(steps, np.sqrt(steps), label="root of n", **TRUTH_LINE)
     ax.set(xscale="log", yscale="log")
-    for axis in (ax.xaxis, ax.yaxis):
-        axis.set_major_formatter("{x:g}")
+    _plain(ax.xaxis)
+    _plain(ax.yaxis)
     legend_beside(ax)
     return label_axes(ax, "steps n (number, log scale)", "error of n steps (errors of one, log scale)")
 
@@ -88,8 +90,11 @@ def plot_noise(ax: Axes, everything: np.ndarray, by_pass: np.ndarray, title: str
     ax.vlines(at, everything, by_pass, color="0.8", linewidth=1.5, zorder=1)
     for k, (name, values) in enumerate({"from all sightings": everything, "one of every pass": by_pass}.items()):
         color, marker = class_style(k)
-        ax.plot(at, values, linestyle="none", color=color, marker=marker, markersize=8, label=name)
+        # The first are hollow and larger, so that they show around the second where both are alike.
+        look = {"markersize": 12, "markerfacecolor": "none", "markeredgewidth": 2} if k == 0 else {"markersize": 7}
+        ax.plot(at, values, linestyle="none", color=color, marker=marker, label=name, **look)
     ax.set_ylim(bottom=0.0)
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     legend_beside(ax)
     return label_axes(ax, "recording (seed)", "standard deviation (multiples of the true one)", title)
 
@@ -108,8 +113,10 @@ def plot_honesty(axes, chi2_per_dof: np.ndarray, nees: np.ndarray, dof: int) -> 
     for k, (ax, (values, name, title)) in enumerate(zip(axes, cases, strict=True)):
         color, marker = class_style(k)
         if k == 0:
-            ax.axhspan(low, high, color="0.85", label="95 % of honest graphs")
+            ax.axhspan(low, high, color="0.85")
+            title += " (grey: 95 % of honest graphs)"
         ax.axhline(1.0, **TRUTH_LINE)
+        ax.xaxis.set_major_locator(MaxNLocator(integer=True))
         ax.plot(np.arange(len(values)), values, linestyle="none", marker=marker, color=color, markersize=8)
         ax.set_ylim(0.0, max(1.3, 1.1 * values.max()))
         label_axes(ax, "recording (seed)", f"{name} (number)", title)
@@ -121,7 +128,7 @@ def plot_over_recordings(ax: Axes, name: str, rows: dict, x_label: str, best: fl
     Args:
         ax: any axes.
         name: a column of the table.
-        rows: name of the line to the arguments of ``table.column``.
+        rows: name of the line to the case of the table.
         x_label: with the unit.
         best: where everybody would like to be; None: nowhere in particular.
     """
@@ -135,8 +142,8 @@ def plot_over_recordings(ax: Axes, name: str, rows: dict, x_label: str, best: fl
         ax.plot(np.median(values), k, **MEDIAN)
     ax.set_yticks(range(len(rows)), list(rows))
     ax.set(xscale="log", ylim=(len(rows) - 0.5, -0.5))
-    ax.xaxis.set_major_formatter("{x:g}")
-    return label_axes(ax, x_label, "what was run (name)")
+    _plain(ax.xaxis)
+    return label_axes(ax, x_label, "what was run (name)" if ax.get_subplotspec().is_first_col() else "")
 
 
 def plot_factors(ax: Axes, name: str, y_label: str, best: float | None = None) -> Axes:
@@ -150,7 +157,13 @@ def plot_factors(ax: Axes, name: str, y_label: str, best: float | None = None) -
         ax.errorbar(at, middle, [middle - low, high - middle], capsize=3, label=method, **method_style(method))
     ax.set(xscale="log", yscale="log")
     ax.set_xticks(FACTORS, [f"{factor:g}" for factor in FACTORS])
-    ax.minorticks_off()
-    ax.yaxis.set_major_formatter("{x:g}")
+    ax.xaxis.set_minor_locator(NullLocator())
+    _plain(ax.yaxis)
     return label_axes(ax, "noise believed (multiples of the true one)", y_label)
 
+
+def _plain(axis) -> None:
+    """Labels 1, 2, 5, 10 and so on, no powers of ten, on a logarithmic axis."""
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_locator(NullLocator())

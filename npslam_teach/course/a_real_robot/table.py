@@ -8,6 +8,13 @@ import numpy as np
 from npslam_teach.experiments.real_robot import COLUMNS, LABEL_COLUMNS, NOISE_COLUMNS, Case, read_table
 
 FOLDER = Path(__file__).parent
+HEADINGS = {
+    "objects": "objects",
+    "ari": "ARI",
+    "pose_error": "path off by (m)",
+    "twice": "twice in a frame",
+    "chi2_per_dof": "chi2 per dof",
+}
 
 
 @cache
@@ -55,7 +62,42 @@ def labels_of(method: str, factor: float) -> np.ndarray:
     raise ValueError(f"labels: expected a method and factor of labels.csv, got {method} and {factor:g}")
 
 
-def median_and_range(values: np.ndarray, decimals: int) -> str:
+def median_and_range(values, decimals: int) -> str:
     """Median and the whole spread in words: ``17 (15 to 22)``."""
-    shown = (f"{value:.{decimals}f}" for value in (np.median(values), values.min(), values.max()))
+    shown = (f"{value:.{decimals}f}" for value in (np.median(values), np.min(values), np.max(values)))
     return "{} ({} to {})".format(*shown)
+
+
+def compared(cases: dict, columns: dict) -> str:
+    """A table as text: median and whole spread over all recordings.
+
+    Args:
+        cases: name of the row to the case, the arguments of ``runs_of``.
+        columns: name of the column to how many decimals.
+    """
+    first = 2 + max(map(len, cases))
+    lines = [" " * first + "".join(f"{HEADINGS[name]:>22}" for name in columns)]
+    for row, case in cases.items():
+        values = (median_and_range(column(name, *case), decimals) for name, decimals in columns.items())
+        lines.append(f"{row:{first}}" + "".join(f"{value:>22}" for value in values))
+    return "\n".join(lines)
+
+
+def winners(methods: tuple[str, ...]) -> str:
+    """Who is best, by number of objects, partition and path: in the median, and in how many recordings.
+
+    Where several are best in a recording, none of them has won it.
+    """
+    losses = {
+        "number": lambda name: np.abs(column("objects", name) - column("seen", name)),
+        "partition (ARI)": lambda name: -column("ari", name),
+        "path": lambda name: column("pose_error", name),
+    }
+    lines = []
+    for what, loss_of in losses.items():
+        loss = np.array([loss_of(name) for name in methods])
+        best = methods[np.median(loss, axis=1).argmin()]
+        wins = ((loss == loss.min(axis=0)) & ((loss == loss.min(axis=0)).sum(axis=0) == 1)).sum(axis=1)
+        shares = ", ".join(f"{name} {count}" for name, count in zip(methods, wins, strict=True))
+        lines.append(f"{what}: {best} in the median; alone the best in {loss.shape[1]} recordings: {shares}")
+    return "\n".join(lines)

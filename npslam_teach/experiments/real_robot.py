@@ -39,24 +39,10 @@ FACTORS = (0.25, 0.5, 1.0, 2.0, 4.0)
 COMPARED = ("np-graph", "ekf", "posterior")  # those that are run with every factor
 DATA_SHEET = 0.25  # of the true noise: what the estimates of the noise begin with
 KNOWN = "true identities"
-COLUMNS = (
-    "method",
-    "noise",
-    "factor",
-    "classes",
-    "seed",
-    "objects",
-    "seen",
-    "ari",
-    "pose_error",
-    "used",
-    "chi2_per_dof",
-)
-COLUMNS += ("twice",)
+CASE_COLUMNS = ("method", "noise", "factor", "classes", "seed")
+COLUMNS = (*CASE_COLUMNS, "objects", "seen", "ari", "pose_error", "used", "chi2_per_dof", "twice")
 LABEL_COLUMNS = ("method", "factor", "labels")
 NOISE_COLUMNS = ("seed", "odometry", "observation", "within", "outliers", "rounds", "converged")
-
-
 TEXTS = ("method", "noise", "labels")
 
 

@@ -79,16 +79,10 @@ def check_lag_one(lag_one: Callable) -> Verdict:
 def check_growth(growth: Callable) -> Verdict:
     """Exercise 3: ``growth(odometry, poses, n)``, (3,) m, m, rad."""
 
-    def variant(odometry, poses, n, wrapped=True, frames=True, power=0.5, centred=False, every=1, added=False):
+    def variant(odometry, poses, n, wrapped=True, frames=True, power=0.5, centred=False, every=1):
         wheels = se2.dead_reckoning(odometry)
-        if added:
-            wheels = np.vstack([np.zeros(3), np.cumsum(odometry, axis=0)])
-        if frames and not added:
-            said, true = (se2.between(path[:-n], path[n:]) for path in (wheels, poses))
-        else:
-            said, true = wheels[n:] - wheels[:-n], poses[n:] - poses[:-n]
-            true = se2.between(poses[:-n], poses[n:]) if added else true
-        off = said - true
+        motion = se2.between if frames else (lambda begin, end: end - begin)
+        off = motion(wheels[:-n], wheels[n:]) - motion(poses[:-n], poses[n:])
         if wrapped:
             off[:, 2] = se2.wrap(off[:, 2])
         off = off[::every] - (off[::every].mean(axis=0) if centred else 0.0)
@@ -104,9 +98,7 @@ def check_growth(growth: Callable) -> Verdict:
         "every stretch of n steps counts, wherever it begins": lambda odometry, poses, n: variant(
             odometry, poses, n, every=n
         ),
-        "steps do not add up number by number: each is seen from the pose before it (se2.dead_reckoning)": partial(
-            variant, added=True
-        ),
+        "steps do not add up number by number: each is seen from the pose before it (se2.dead_reckoning)": _steps_added,
         "this is the error of single steps, times the root of n; look at what n steps together really err by": (
             lambda odometry, poses, n: np.sqrt(n) * variant(odometry, poses, 1)
         ),
@@ -192,6 +184,14 @@ def check_first_of_each_pass(first_of_each_pass: Callable) -> Verdict:
         trials.append((labels[order], times[order], gap))
     praise = "what is the same for a whole pass is now counted once"
     return _judge("your choice", first_of_each_pass, trials, variant, mistakes, praise)
+
+
+def _steps_added(odometry, poses, n) -> np.ndarray:
+    """The numbers of n steps added up, as if none of them turned."""
+    added = np.vstack([np.zeros(3), np.cumsum(odometry, axis=0)])
+    off = added[n:] - added[:-n] - se2.between(poses[:-n], poses[n:])
+    off[:, 2] = se2.wrap(off[:, 2])
+    return np.sqrt(np.mean(off**2, axis=0))
 
 
 def _from_the_beginning(labels, times, gap) -> np.ndarray:

@@ -3,7 +3,6 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
-from scipy.stats import chi2
 
 from npslam_teach import se2
 from npslam_teach.course.a_real_robot import errors, table
@@ -108,6 +107,8 @@ def plot_honesty(axes, chi2_per_dof: np.ndarray, nees: np.ndarray, dof: int) -> 
         nees: (R,) mean squared Mahalanobis distance of its landmarks over 2.
         dof: degrees of freedom of a typical graph, for the two-sided 95 % interval.
     """
+    from scipy.stats import chi2
+
     low, high = chi2.ppf([0.025, 0.975], dof) / dof
     cases = ((chi2_per_dof, "chi2 per degree of freedom", "without the truth"), (nees, "NEES / 2", "with the truth"))
     for k, (ax, (values, name, title)) in enumerate(zip(axes, cases, strict=True)):

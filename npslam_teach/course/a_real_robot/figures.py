@@ -24,8 +24,8 @@ FIGURES = (
     FigureFile(
         "fig23_errors_that_last",
         "Left, the map of a recording: the path by the wheels leaves the true one by a metre. Middle, by how much each "
-        "landmark seems too far, pass by pass: the errors of a pass lie around a mean of their own, up to a quarter of a metre off. "
-        "Right, the same for white noise: the errors of every pass lie around zero.",
+        "landmark seems too far, pass by pass: the errors of a pass lie around a mean of their own, up to a quarter of "
+        "a metre off. Right, the same for white noise: the errors of every pass lie around zero.",
         errors_figure,
     ),
 )

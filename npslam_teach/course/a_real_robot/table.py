@@ -41,12 +41,12 @@ def runs_of(method: str, noise: str = "own", factor: float = 1.0, classes: int =
 
 
 def column(name: str, method: str, noise: str = "own", factor: float = 1.0, classes: int = 5) -> np.ndarray:
-    """One column of ``runs_of``, (20,)."""
+    """One column of ``runs_of``, (12,)."""
     return np.array([row[name] for row in runs_of(method, noise, factor, classes)])
 
 
 def noise_of(name: str) -> np.ndarray:
-    """A column (20,) of the estimates of the noise."""
+    """A column (12,) of the estimates of the noise."""
     return np.array([row[name] for row in _noise()])
 
 

@@ -4,8 +4,8 @@ They are made by
 
     python -m npslam_teach.experiments.real_robot npslam_teach/course/a_real_robot
 
-in about a quarter of an hour on one core: ``runs.csv`` has one row for each run of a method on ``simulate.recording``, written
-as text files and imported from them; ``noise.csv`` one row for each estimate of the noise from a log itself;
+in about a quarter of an hour on one core: ``runs.csv`` has one row for each run of a method on ``simulate.recording``,
+written as text files and imported from them; ``noise.csv`` one row for each estimate of the noise from a log itself;
 ``labels.csv`` the answers of one method on one recording.
 
 A log's own standard deviations are root mean squares against motion capture. *Factor* is what both are multiplied by

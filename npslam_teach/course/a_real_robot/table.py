@@ -76,10 +76,10 @@ def compared(cases: dict, columns: dict) -> str:
         columns: name of the column to how many decimals.
     """
     first = 2 + max(map(len, cases))
-    lines = [" " * first + "".join(f"{HEADINGS[name]:>22}" for name in columns)]
+    lines = [" " * first + "".join(f"{HEADINGS[name]:>25}" for name in columns)]
     for row, case in cases.items():
         values = (median_and_range(column(name, *case), decimals) for name, decimals in columns.items())
-        lines.append(f"{row:{first}}" + "".join(f"{value:>22}" for value in values))
+        lines.append(f"{row:{first}}" + "".join(f"{value:>25}" for value in values))
     return "\n".join(lines)
 
 

@@ -9,7 +9,7 @@ from readable import texts_of
 
 from npslam_teach import evaluation, fifteen_objects, plotting, se2, simulate
 from npslam_teach.course.a_real_robot import errors, figures, pictures, real, table
-from npslam_teach.course.a_real_robot.explorer import explore_noise, results_of_recording_0
+from npslam_teach.course.a_real_robot.explorer import explore_believed_noise, results_of_recording_0
 from npslam_teach.experiments.real_robot import COMPARED, FACTORS, KNOWN, SEEDS, Case, imported
 from npslam_teach.methods.noise import with_noise
 from npslam_teach.methods.noise_estimate import _one_per_pass
@@ -252,7 +252,7 @@ def test_figure_23_shows_a_recording_beside_white_noise():
 @pytest.fixture(scope="module")
 def explorer():
     results = results_of_recording_0()
-    return explore_noise(results), results
+    return explore_believed_noise(results), results
 
 
 @pytest.mark.parametrize("method", COMPARED)

@@ -26,7 +26,7 @@ def results_of_recording_0() -> dict[tuple, Snapshot]:
     return results
 
 
-def explore_noise(results: dict[tuple, Snapshot]) -> Explorer:
+def explore_believed_noise(results: dict[tuple, Snapshot]) -> Explorer:
     """Choose a method and what it believes; nothing is run, so that the picture follows at once.
 
     Args:

@@ -7,8 +7,8 @@ import pytest
 from PIL import Image
 
 from npslam_teach import plotting, simulate
-from npslam_teach.course.alternation import false_positives_explorer
 from npslam_teach.course.a_real_robot.explorer import explore_believed_noise, results_of_recording_0
+from npslam_teach.course.alternation import false_positives_explorer
 from npslam_teach.course.alternation.explorer import explore_alternation
 from npslam_teach.course.class_votes.explorer import explore_triangle
 from npslam_teach.course.dirichlet_process.explorer import explore_association

@@ -200,6 +200,26 @@ def test_growth_is_drawn_in_errors_of_one_step():
     assert_texts_inside(figure)
 
 
+def test_the_gate_parts_what_is_drawn():
+    figure, ax = plotting.new_figure()
+    off = np.array([[0.0, 1.0], [2.0, 2.0], [3.0, 0.5], [-1.0, 1.0]])
+    pictures.plot_gate(ax, off, 4.0, "title")
+    inside, beyond = (line.get_xydata() for line in ax.lines)
+    np.testing.assert_allclose(inside, off[[0, 3]])
+    np.testing.assert_allclose(beyond, off[[1, 2]])
+    assert ax.patches[0].get_radius() == 2.0
+    assert_texts_inside(figure)
+
+
+def test_visits_are_drawn_beside_their_drift():
+    figure, ax = plotting.new_figure()
+    seen, drift = np.array([[0.1, 0.2], [0.5, 0.4]]), np.array([0.0, 0.3])
+    pictures.plot_visits(ax, seen, drift)
+    np.testing.assert_allclose([line.get_ydata() for line in ax.lines[1:3]], seen)
+    np.testing.assert_allclose(ax.lines[3].get_ydata(), drift)
+    assert_texts_inside(figure)
+
+
 def test_estimates_and_consistency_are_drawn_as_they_are():
     figure, axes = plotting.new_figure(1, 3, (16, 5))
     pictures.plot_noise(axes[0], np.array([0.5, 0.6]), np.array([0.9, 0.6]))
@@ -334,6 +354,12 @@ def test_who_wins():
     for rival in ("np-graph", "robust-slam", "open-loop", "frame-by-frame"):
         assert median("pose_error", rival) > 2 * max(median("pose_error", "ekf"), median("pose_error", "posterior"))
     assert median("objects", "posterior", "own", 2.0) < median("objects", "posterior")
+    assert median("pose_error", "posterior", "own", 2.0) < median("pose_error", KNOWN) + 0.005
+    assert median("chi2_per_dof", "posterior", "own", 2.0) < 0.5
+    assert median("pose_error", "ekf", "own", 4.0) > median("pose_error", "ekf", "own", 2.0)
+    # In the path a rival wins more often, and loses by far more.
+    ekf, own = (table.column("pose_error", name) for name in ("ekf", "posterior"))
+    assert np.sum(ekf < own) > np.sum(own < ekf) and ekf.max() > 3 * own.max()
 
 
 def test_a_data_sheet_splits_objects_and_chi2_tells():

@@ -2,6 +2,7 @@
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import Circle
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from npslam_teach import se2
@@ -53,6 +54,44 @@ def plot_errors(ax: Axes, log: RobotLog, truth: GroundTruth, count: int = 80, ti
         ax.plot(at, off[at], linestyle="-", linewidth=0.8, color=color, marker=marker, markersize=5)
         ax.plot(at[[0, -1]] + [-0.4, 0.4], 2 * [off[at].mean()], "-", color=color, linewidth=4, alpha=0.5)
     return label_axes(ax, "sighting (number, pass by pass)", "seen too far by (m)", title)
+
+
+def plot_gate(ax: Axes, off: np.ndarray, squared_gate: float, title: str) -> Axes:
+    """Errors of sightings in standard deviations, and the gate that should hold nearly all of them.
+
+    Args:
+        ax: any axes.
+        off: (n, 2) standard deviations.
+        squared_gate: a squared Mahalanobis distance.
+        title: of the axes.
+    """
+    beyond = (off**2).sum(axis=1) > squared_gate
+    for k, (chosen, name) in enumerate(((~beyond, "inside"), (beyond, "beyond"))):
+        color, marker = class_style(k)
+        ax.plot(*off[chosen].T, linestyle="none", color=color, marker=marker, markersize=5, label=name, alpha=0.7)
+    ax.add_patch(Circle((0, 0), np.sqrt(squared_gate), facecolor="none", edgecolor=ESTIMATE_COLOR, linewidth=1.8))
+    ax.set_aspect("equal")
+    return label_axes(ax, "ahead (st. deviations)", "to the left (st. deviations)", title)
+
+
+def plot_visits(ax: Axes, seen: np.ndarray, drift: np.ndarray) -> Axes:
+    """Where one landmark, really at 0, seems to be in several passes, beside the drift of each.
+
+    Args:
+        ax: any axes.
+        seen: (P, n) m, the sightings of each pass.
+        drift: (P,) m.
+    """
+    ax.axhline(0.0, label="landmark", **TRUTH_LINE)
+    across = np.linspace(-0.3, 0.3, seen.shape[1])
+    for k, values in enumerate(seen):
+        color, marker = class_style(0)
+        name = "sightings" if k == 0 else None
+        ax.plot(k + across, values, linestyle="none", color=color, marker=marker, markersize=5, label=name)
+    look = {"color": ESTIMATE_COLOR, "marker": "_", "markersize": 30, "markeredgewidth": 2.5, "linestyle": "none"}
+    ax.plot(np.arange(len(seen)), drift, label="drift", **look)
+    legend_beside(ax)
+    return label_axes(ax, "pass (number)", "seen at (m)")
 
 
 def plot_growth(ax: Axes, curves: dict) -> Axes:

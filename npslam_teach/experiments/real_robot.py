@@ -107,9 +107,16 @@ def run_case(case: Case, seed: int) -> Snapshot:
     settings = {name: value for name, value in settings_for(log).items() if known.get(name) is not None}
     if case.noise == "repeated":
         settings["exclusive"] = False
-    *_, last = METHODS[case.method](log, **({} if case.noise == "paper" else settings))
-    # As the command line does: the filter says who is who, and the graph where, with all that came later.
-    return snapshot(log, 2, last.labels, fit(log, last.labels, last.graph.poses)) if case.method == "ekf" else last
+    return answer_of(case.method, log, {} if case.noise == "paper" else settings)
+
+
+def answer_of(method: str, log: RobotLog, settings: dict) -> Snapshot:
+    """The last snapshot of a method; with the filter's labels, the pose graph's map.
+
+    As the command line does: the filter says who is who, and the graph where, with all that came later.
+    """
+    *_, last = METHODS[method](log, **settings)
+    return snapshot(log, 2, last.labels, fit(log, last.labels, last.graph.poses)) if method == "ekf" else last
 
 
 def row_of(case: Case, seed: int, last: Snapshot) -> dict:

@@ -314,6 +314,7 @@ def test_the_report_is_that_of_the_recording(tmp_path):
     ):
         row = table.runs_of(name, "own", float(factor))[4]
         assert line.startswith(f"{name}, noise times {factor}: {row['objects']:.0f} objects, ARI {row['ari']:.2f}")
+        assert float(line.split()[-2]) == pytest.approx(row["pose_error"], abs=0.006)
 
 
 def test_a_folder_that_is_not_there_is_named(tmp_path):

@@ -5,8 +5,7 @@ import numpy as np
 from npslam_teach import datasets
 from npslam_teach.course.a_real_robot import errors
 from npslam_teach.evaluation import evaluate
-from npslam_teach.experiments.real_robot import scaled
-from npslam_teach.methods import METHODS
+from npslam_teach.experiments.real_robot import answer_of, scaled
 from npslam_teach.types import GroundTruth, RobotLog
 
 SKIPPED = "no folder of MRCLAM was given: skipped"
@@ -53,8 +52,7 @@ def _methods(log: RobotLog, truth: GroundTruth) -> list[str]:
     lines = []
     for name in ("ekf", "posterior"):
         for factor in (1.0, 2.0):
-            *_, last = METHODS[name](scaled(log, factor))
-            found = evaluate(last, truth, log)
+            found = evaluate(answer_of(name, scaled(log, factor), {}), truth, log)
             numbers = f"{found.num_objects} objects, ARI {found.ari:.2f}, path off by {found.mean_pose_error:.2f} m"
             lines.append(f"{name}, noise times {factor:g}: {numbers}")
     return lines

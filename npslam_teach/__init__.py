@@ -21,7 +21,7 @@ _PUBLIC_NAMES = {
     "se2": "dead_reckoning",
     "pose_graph": "linearize gauss_newton optimize chordal_start marginal_covariance IncrementalSolver",
     "association": "association_probabilities decide sweep",
-    "methods": "np_graph frame_by_frame open_loop robust_slam ekf_slam posterior sample_posterior",
+    "methods": "np_graph frame_by_frame open_loop robust_slam ekf_slam posterior sample_posterior estimate_noise",
     "evaluation": "evaluate",
 }
 _HOME_OF = {name: home for home, names in _PUBLIC_NAMES.items() for name in names.split()}

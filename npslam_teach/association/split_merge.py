@@ -89,21 +89,29 @@ def displaced(sampler: GibbsSampler, share: float, spread: np.ndarray) -> np.nda
 
     A share of the tracklets is displaced: by an error of the pose or of the detector that lasts as long as they do,
     with a covariance far above that of single observations. An object joins the one for which this is most probable
-    and more so than that it is there. It does not pull on the map.
+    and more so than that it is there. It does not pull on the map. The most probable joins come first, and they end
+    when that share of all observations, and three standard deviations more, is used up.
 
     Args:
         sampler: with N tracklets; its partition stays.
         share: of the tracklets that are displaced.
         spread: (2, 2) m^2, by how much.
     """
-    labels, change = sampler.slot.copy(), _merger_changes(sampler, spread)
-    change = np.maximum(change, change.T)
-    for i in sorted(range(len(sampler.members)), key=lambda i: sampler.evidence.counts[sampler.members[i]].sum()):
-        gain = change[i] + math.log(share) * len(sampler.members[i])
-        if len(gain) and gain.max() > 0:
-            # Those that have joined it go along.
-            labels[labels == labels[sampler.members[i][0]]] = labels[sampler.members[int(gain.argmax())][0]]
-            change[:, i] = -np.inf
+    labels, change, counts = sampler.slot.copy(), _merger_changes(sampler, spread), sampler.evidence.counts
+    size = np.array([counts[members].sum() for members in sampler.members])
+    gain = np.maximum(change, change.T) + math.log(share) * np.array([len(each) for each in sampler.members])[:, None]
+    # The smaller of two is the guest; of equals, the one that is seen later.
+    gain[size[:, None] > size] = -np.inf
+    gain[(size[:, None] == size) & np.triu(np.ones(gain.shape, dtype=bool))] = -np.inf
+    left = size.sum() * share + 3 * math.sqrt(size.sum() * share)
+    while len(gain) and gain.max() > 0:
+        guest, host = np.unravel_index(gain.argmax(), gain.shape)
+        left -= size[guest]
+        if left < 0:
+            break
+        # Those that have joined it go along.
+        labels[labels == labels[sampler.members[guest][0]]] = labels[sampler.members[host][0]]
+        gain[guest] = -np.inf
     return np.unique(labels, return_inverse=True)[1]
 
 

@@ -1,6 +1,7 @@
 """One pass over all observations: each is asked once which object it is of, and each answer counts for the next.
 
-``plain_sweep`` is the rule of the paper; ``sweep`` finds the same labels in less time.
+``plain_sweep`` is the rule of the paper; ``sweep`` finds the same labels in less time. They take the same arguments,
+which are written out in both, so that an editor shows them.
 """
 
 import numpy as np

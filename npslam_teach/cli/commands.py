@@ -30,19 +30,20 @@ def solve(options) -> int:
     from npslam_teach.system import files
 
     solving.require_options(options)
-    write = _writer(options.out, SOLVE_FILES)
-    folder = folder_named(options.figures)
+    write, folder = _writer(options.out, SOLVE_FILES), folder_named(options.figures)
     log, truth = datasets.load_log(options.log)
     with files.prefix_errors(options.log):
         if options.noise != 0:
             log = simulate.add_noise(log, options.noise, np.random.default_rng(options.seed))
+        log, estimated = solving.with_estimated_noise(options, log)
         settings = solving.settings_of(options, log)
         run, restarts = solving.run(options, log, settings)
-        result = solve_report.solve_result(run, truth) | {"score": solving.score(options, log, run)}
-        result |= solving.sampled(options, log, settings)
-    result["settings"] = {"name": solving.settings_name(options)} | settings
-    result["settled"], result["restarts"] = solving.settled(run, settings), restarts
-    solving.remarks(options, log, settings, run)
+        fits = solving.agreement(options, log, run)
+        result = solve_report.solve_result(run, truth) | fits | estimated
+        result |= solving.sampled(options, log, settings, run)
+    used = {"name": solving.settings_name(options)} | settings
+    result |= {"settings": used, "settled": solving.settled(run, settings), "restarts": restarts}
+    solving.remarks(options, log, settings, run, fits)
     write(result, run.snapshots[-1].graph, run)
     _print(result if options.json else solve_report.solve_text(result, truth), options.json)
     if folder is not None:

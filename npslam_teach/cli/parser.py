@@ -181,6 +181,8 @@ def _add_settings(solve) -> None:
     solve.add_argument("--order", choices=orders, help="in which observations are visited (default last-to-first)")
     solve.add_argument("--iterations", type=count, metavar="N", help="alternations at most (default 5)")
     solve.add_argument("--gate", type=number, metavar="P", help="ekf: the share of right matches to let through")
+    text = "first estimate odometry-std and observation-std from the log itself, and use them instead of the log's own"
+    solve.add_argument("--estimate-noise", action="store_true", help=text)
     text = "np-graph: whether two observations of one frame are always of two objects"
     solve.add_argument("--exclusive", action=argparse.BooleanOptionalAction, default=None, help=text)
 

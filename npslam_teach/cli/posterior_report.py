@@ -15,6 +15,7 @@ def samples_result(samples: PosteriorSamples) -> dict:
         "num_samples": int(samples.log_posterior.size),
         "num_chains": len(samples.log_posterior),
         "num_objects_probability": samples.num_objects_probability,
+        "num_left_out": int(np.count_nonzero(samples.tracklet < 0)),
         "tracklets": samples.tracklet.tolist(),
         "together": np.round(samples.together, 6).tolist(),
         "best": samples.best.tolist(),
@@ -34,6 +35,8 @@ def samples_lines(result: dict) -> list[str]:
     worst, least = max(result["r_hat"].values()), min(result["effective_sample_size"].values())
     chains = f"{result['num_samples']} in {result['num_chains']} chains, R-hat {worst:.3f}, effective {least:.0f}"
     lines = [f"number of objects     {shown}", f"samples               {chains}"]
+    if result["num_left_out"]:
+        lines.append(f"not sampled           {result['num_left_out']} observations that fit no tracklet, or not theirs")
     if worst > LARGEST_R_HAT:
         lines.append(f"not converged         R-hat is above {LARGEST_R_HAT}: take more samples before you believe them")
     return lines

@@ -38,10 +38,12 @@ def solve_text(result: dict, truth: GroundTruth | None) -> str:
         f"method                {result['method']}",
         f"assumes               {METHODS[result['method']].assumes}",
         f"settings              {_settings_text(result['settings'])}",
+        *_noise_lines(result.get("estimated_noise")),
         f"observations          {result['num_observations']}",
         f"objects               {' -> '.join(map(str, result['counts_per_iteration']))}",
         f"chi2                  {result['chi2']:.2f}",
         f"score                 {result['score']:.2f} (objective of a refit at the log's own noise; lower is better)",
+        f"chi2 per dof          {_ratio_text(result['chi2_per_dof'])} (of that refit; near 1 where the noise is right)",
         f"seconds               {result['seconds']:.3f}",
         *_restart_lines(result["restarts"]),
         *(samples_lines(result["posterior"]) if "posterior" in result else []),
@@ -49,6 +51,20 @@ def solve_text(result: dict, truth: GroundTruth | None) -> str:
     if truth is None:
         return "\n".join([*lines, *_quality_lines(result["quality"]), "the file holds no truth to compare with"])
     return "\n".join([*lines, *_truth_lines(result["metrics"], truth)])
+
+
+def _noise_lines(estimated: dict | None) -> list[str]:
+    """What the log itself says of its noise, where that was asked for."""
+    if estimated is None:
+        return []
+    stds = {name: " ".join(f"{std:.4g}" for std in estimated[name]) for name in ("odometry_std", "observation_std")}
+    lines = [f"estimated noise       odometry {stds['odometry_std']}, observation {stds['observation_std']}"]
+    if estimated["outlier_share"] > 0:
+        lines.append(f"outliers              {100 * estimated['outlier_share']:.1f}% of the observations")
+    if not estimated["is_white"]:
+        within = " ".join(f"{std:.4g}" for std in estimated["within_pass_std"])
+        lines.append(f"errors last           within one pass they differ by {within} only; methods assume white noise")
+    return lines
 
 
 def _truth_lines(metrics: dict, truth: GroundTruth) -> list[str]:
@@ -59,7 +75,6 @@ def _truth_lines(metrics: dict, truth: GroundTruth) -> list[str]:
         "objects in truth": "unknown" if math.isnan(metrics["num_objects_true"]) else metrics["num_objects_true"],
         "ARI, V-measure": f"{_number_text(metrics['ari'])}, {_number_text(metrics['v_measure'])}",
         "observations used": f"{100 * metrics['observations_used']:.1f}%",
-        "chi2 per dof": "does not exist" if math.isnan(metrics["chi2_per_dof"]) else f"{metrics['chi2_per_dof']:.3f}",
     }
     if not truth.is_complete:
         lines = {"truth": _known_text(truth)} | lines
@@ -72,6 +87,10 @@ def _known_text(truth: GroundTruth) -> str:
     positions = {"poses": truth.poses[:, :2], "headings": truth.poses[:, 2:], "objects": objects}
     known = {name: ~np.isnan(numbers).any(axis=1) for name, numbers in positions.items()} | {"identities": identities}
     return ", ".join(f"{each.sum()} of {len(each)} {name}" for name, each in known.items())
+
+
+def _ratio_text(ratio: float) -> str:
+    return "does not exist" if math.isnan(ratio) else f"{ratio:.3f}"
 
 
 def _number_text(value: float, unit: str = "") -> str:

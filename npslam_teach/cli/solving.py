@@ -1,5 +1,6 @@
 """The command ``solve``: which settings a method gets, how often it is run, and what is said of the answer."""
 
+import math
 import warnings
 from pathlib import Path
 
@@ -8,9 +9,11 @@ import numpy as np
 from npslam_teach import experiments
 from npslam_teach.association import PAPER_ALPHA, same_partition
 from npslam_teach.cli.posterior_report import samples_result
-from npslam_teach.evaluation import refitted_objective
+from npslam_teach.evaluation import chi2_per_dof, refit, refitted_objective
+from npslam_teach.evaluation.consistency import degrees_of_freedom
 from npslam_teach.methods import METHODS, paper_settings, sample_posterior, settings_for
 from npslam_teach.methods.noise import with_noise
+from npslam_teach.methods.noise_estimate import estimate_noise
 from npslam_teach.methods.posterior import FEW
 from npslam_teach.methods.snapshots import snapshot
 from npslam_teach.pose_graph import fit
@@ -18,6 +21,7 @@ from npslam_teach.system.progress import track
 from npslam_teach.types import RobotLog
 
 LEAST_SAMPLES = 16  # four for each chain: fewer tell nothing of how they agree
+MINDS_THE_NOISE = ("np-graph", "ekf", "posterior")  # the others do not close loops, so that their chi2 is of drift
 GIVEN = "alpha threshold kernel_std odometry_std observation_std area order iterations gate exclusive starts".split()
 
 
@@ -50,20 +54,45 @@ def require_options(options) -> None:
             raise ValueError("--restarts: expected no --order beside it, because every restart has an order of its own")
 
 
-def sampled(options, log: RobotLog, settings: dict) -> dict:
+def sampled(options, log: RobotLog, settings: dict, found: experiments.Run) -> dict:
     """Where samples are asked for, the posterior around the best partition: ``posterior_report.samples_result``."""
     if options.samples is None:
         return {}
     log = with_noise(log, settings.get("odometry_std"), settings.get("observation_std"))
     known = {name: settings[name] for name in ("alpha", "area", "starts") if name in settings}
-    return {"posterior": samples_result(sample_posterior(log, options.samples, **known))}
+    return {"posterior": samples_result(sample_posterior(log, options.samples, found=found.snapshots[-1], **known))}
 
 
-def score(options, log: RobotLog, found: experiments.Run) -> float:
-    """``refitted_objective``: one alpha and one area for every method."""
-    given = {"alpha": options.alpha, "area": options.area}
-    constants = {name: value for name, value in given.items() if value is not None}
-    return refitted_objective(found.snapshots[-1], log, **constants)
+def with_estimated_noise(options, log: RobotLog) -> tuple[RobotLog, dict]:
+    """Where it is asked for, the log with the noise that its residuals show, and what was found."""
+    if not options.estimate_noise:
+        return log, {}
+    if settings_name(options) == "paper" and METHODS[options.method].settings.get("odometry_std") is not None:
+        raise ValueError("--estimate-noise: expected --settings sensor, because the paper's do not look at the noise")
+    estimate = estimate_noise(log)
+    if not estimate.converged:
+        warnings.warn(f"the noise was still changing after {estimate.rounds} rounds of estimation", stacklevel=2)
+    numbers = {
+        "odometry_std": estimate.odometry_std.tolist(),
+        "observation_std": estimate.observation_std.tolist(),
+        "within_pass_std": estimate.within_pass_std.tolist(),
+        "outlier_share": estimate.outlier_share,
+        "is_white": estimate.is_white,
+        "rounds": estimate.rounds,
+        "converged": estimate.converged,
+    }
+    return estimate.applied_to(log), {"estimated_noise": numbers}
+
+
+def agreement(options, log: RobotLog, found: experiments.Run) -> dict:
+    """How well the associations fit the log's own noise: chi2 per degree of freedom, and one score for all methods."""
+    last, given = found.snapshots[-1], {"alpha": options.alpha, "area": options.area}
+    constants, graph = {name: value for name, value in given.items() if value is not None}, refit(last, log)
+    return {
+        "score": refitted_objective(last, log, graph=graph, **constants),
+        "chi2_per_dof": chi2_per_dof(graph),
+        "dof": degrees_of_freedom(graph),
+    }
 
 
 def run(options, log: RobotLog, settings: dict) -> tuple[experiments.Run, list[dict]]:
@@ -83,7 +112,7 @@ def run(options, log: RobotLog, settings: dict) -> tuple[experiments.Run, list[d
     return best, restarts
 
 
-def remarks(options, log: RobotLog, settings: dict, found: experiments.Run) -> None:
+def remarks(options, log: RobotLog, settings: dict, found: experiments.Run, fits: dict) -> None:
     """Warn of what a reader would otherwise take for an answer."""
     last, alpha = found.snapshots[-1], settings.get("alpha", PAPER_ALPHA)
     if settled(found, settings) is False:
@@ -97,6 +126,10 @@ def remarks(options, log: RobotLog, settings: dict, found: experiments.Run) -> N
     if carried and METHODS[options.method].settings["odometry_std"] is not None:
         text = f"{options.method} assumes one noise for all: {' and '.join(carried)} of the log have no effect"
         warnings.warn(text, stacklevel=2)
+    ratio, margin = fits["chi2_per_dof"], 3 * math.sqrt(2 / max(fits["dof"], 1))
+    if options.method in MINDS_THE_NOISE and not (min(0.5, 1 - margin) <= ratio <= max(2.0, 1 + margin)):
+        text = f"chi2 per degree of freedom is {ratio:.3g}: the noise in the log is wrong, or who is who; see"
+        warnings.warn(f"{text} --estimate-noise", stacklevel=2)
     threshold, most = settings.get("threshold"), 1 / (1 + alpha)  # of the probability that two observations are one
     if options.method == "np-graph" and threshold is not None and threshold >= most:
         text = f"--threshold {threshold:g}: expected less than {most:.3f}, the most that two observations can reach"

@@ -1,6 +1,6 @@
 """Every figure file of the course: what it is called, what it shows and how it is drawn.
 
-The numbers are those of the deck that the course replaces. Each module holds the figures of some lessons.
+The numbers are those of the deck that the course replaces. Each module holds the figures of one lesson.
 """
 
 from pathlib import Path

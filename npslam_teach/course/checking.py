@@ -1,4 +1,4 @@
-"""What an exercise is checked with: a verdict that says what is wrong, and the tools the checks share.
+"""Checking exercises: a verdict that says what is wrong, and the tools that the checks share.
 
 Every lesson has a module of its own, such as ``course.pose_graph.checks``, with one ``check_*`` for each exercise. A
 check never raises on a wrong answer: it returns a ``Verdict``, whose text is the last value of the cell.
@@ -28,12 +28,12 @@ class Verdict:
 
 
 def right(message: str) -> Verdict:
-    """The exercise is solved; the message says what that is good for."""
+    """The exercise is solved; the message says what the answer is good for."""
     return Verdict(True, message)
 
 
 def wrong(message: str) -> Verdict:
-    """It is not; the message names the mistake, and never gives the answer away."""
+    """The exercise is not solved; the message names the mistake and does not give the answer away."""
     return Verdict(False, message)
 
 
@@ -43,7 +43,7 @@ def is_blank(answer) -> bool:
 
 
 def answer_of(function: Callable, *arguments) -> tuple[object, Verdict | None]:
-    """Call the student's function, and turn whatever it raises into a verdict.
+    """Call the student's function, and turn any exception into a verdict.
 
     Returns:
         what it returned, and None; or None and the verdict.
@@ -58,13 +58,13 @@ def answer_of(function: Callable, *arguments) -> tuple[object, Verdict | None]:
 
 
 def require(check: Callable, answer) -> None:
-    """What a graded cell runs: nothing happens where the check passes.
+    """What a graded cell runs: nothing happens if the check passes.
 
-    Warnings and other words on standard error are kept to ourselves: nbgrader takes them for a failure, and a right
-    answer that divides by zero on its way would lose its marks.
+    Warnings and other output on standard error are suppressed: nbgrader takes them for a failure, and a right answer
+    that divides by zero in between would lose its marks.
 
     Raises:
-        AssertionError: it does not pass; the message is the verdict.
+        AssertionError: the check does not pass; the message is the verdict.
     """
     with warnings.catch_warnings(), contextlib.redirect_stderr(io.StringIO()):
         warnings.simplefilter("ignore")
@@ -87,7 +87,7 @@ def as_array(name: str, answer, shape: tuple) -> tuple[np.ndarray | None, Verdic
 
 
 def array_from(name: str, function: Callable, shape: tuple, *arguments) -> tuple[np.ndarray | None, Verdict | None]:
-    """What the student's function returns, as an array of the expected shape that is nobody else's; or a verdict.
+    """What the student's function returns, as a new array of the expected shape; or None and a verdict.
 
     Args:
         name: what the answer is called in the verdict.
@@ -110,15 +110,15 @@ def alike(answer, other) -> bool:
 def judge(
     answer, truth, mistakes: dict, otherwise: str | Callable[[], str], same: Callable = alike, like: Callable = alike
 ) -> Verdict | None:
-    """None where the answer is right; else the verdict that names the mistake which gives this very answer.
+    """None if the answer is right; else a verdict that names the mistake which gives exactly this answer.
 
     Args:
         answer: an array, or a list of them.
         truth: what it should be.
-        mistakes: by message, what the mistake gives; or a function that works it out.
-        otherwise: what to say of a mistake that nobody thought of, or a function that finds words.
-        same: ``same(answer, truth)``, whether it is right.
-        like: ``like(answer, other)``, whether it is as this mistake makes it.
+        mistakes: by message, the answer that the mistake gives, or a function that computes it.
+        otherwise: the message for any other mistake, or a function that returns it.
+        same: ``same(answer, truth)``, whether the answer is right.
+        like: ``like(answer, other)``, whether it is the answer that a mistake gives.
     """
     if same(answer, truth):
         return None
@@ -147,7 +147,7 @@ def judge_function(
         truth: the right function.
         mistakes: by message, a function that makes the mistake; its answer may have another shape.
         praise: for a right one.
-        otherwise: from the answers and the right ones to what can be said of an unknown mistake.
+        otherwise: a function of the answers and the right ones that returns the message for any other mistake.
         how: ``same`` and ``like`` of ``judge``.
     """
     answers, expected = [], _answers(truth, trials)
@@ -176,12 +176,12 @@ def _is_one_of(answer, shapes: list) -> bool:
 
 
 def numerical_jacobian(function: Callable, at: np.ndarray, step: float = 1e-6) -> np.ndarray:
-    """The derivative of a function by central differences: nudge each input both ways and see.
+    """The derivative of a function by central differences.
 
     Args:
         function: (n,) to (m,).
         at: (n,) where.
-        step: how far to nudge.
+        step: by which each input is moved both ways.
 
     Returns:
         (m, n).

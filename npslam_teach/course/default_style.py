@@ -1,6 +1,7 @@
-"""The course's pictures are those that its texts describe, whatever a user's ``matplotlibrc`` asks for.
+"""Make the course's pictures look as its texts describe, whatever a user's ``matplotlibrc`` says.
 
-LaTeX that may not be there, other fonts, sizes and colours are put aside as soon as a lesson imports anything of ours.
+Its fonts, sizes, colours and its use of LaTeX, which may not be installed, are set back when any part of the course is
+imported.
 """
 
 from npslam_teach.plotting.style import put_settings_aside

@@ -1,8 +1,8 @@
-"""The interactive explorers: sliders, a picture that follows them, and the same in words beside it.
+"""The interactive explorers: sliders, a picture that follows them, and a description in words below it.
 
-This is the sole module that knows ipywidgets. A lesson's explorers stand in modules of their own; each makes a figure
-and its artists once, writes an ``update`` that moves the artists and says in words what is now to be seen, and hands
-both to ``Explorer``. The map that students draw on is a page of its own: ``draw_world``.
+This is the only module that imports ipywidgets. The explorers of a lesson are in its folder. Each makes a figure and
+its artists once, defines an ``update`` that moves the artists and returns a description of the picture, and passes both
+to ``Explorer``. The map that students draw on is a widget of its own, in ``draw_your_own_world``.
 """
 
 import html
@@ -24,7 +24,7 @@ _STYLE = {"description_width": "11em"}
 
 
 def slider(name: str, value: float, low: float, high: float, step: float) -> ipywidgets.Widget:
-    """A slider with a name that a screen reader finds; whole numbers where the step is one.
+    """A slider with a name that a screen reader finds; it has whole numbers if the step is a whole number.
 
     Args:
         name: what it sets, with the unit.
@@ -47,7 +47,7 @@ def choice(name: str, options: dict) -> ipywidgets.Widget:
     """
     widget = ipywidgets.Dropdown(options=options, **_named(name))
     if None in options.values():
-        # To ipywidgets None means that nothing is chosen: the list would stand there empty.
+        # To ipywidgets None means that nothing is chosen: the list would be shown empty.
         place = list(options.values()).index(None)
 
         def choose_it(change) -> None:
@@ -64,7 +64,7 @@ def _named(name: str) -> dict:
 
 
 def player(name: str, high: int, milliseconds: int = 1000) -> tuple[ipywidgets.Widget, ipywidgets.Widget]:
-    """A slider from 0 to ``high`` with a play button that moves it; hand the slider to ``Explorer``, the button too."""
+    """A slider from 0 to ``high`` and a play button that moves it; ``Explorer`` takes the button among ``extras``."""
     button = ipywidgets.Play(min=0, max=high, interval=milliseconds, description=f"play {name}")
     position = slider(name, 0, 0, high, 1)
     ipywidgets.jslink((button, "value"), (position, "value"))
@@ -72,7 +72,7 @@ def player(name: str, high: int, milliseconds: int = 1000) -> tuple[ipywidgets.W
 
 
 class _PageScript(anywidget.AnyWidget):
-    """What a page has to do for an explorer: see the JavaScript."""
+    """What the page does for an explorer: see ``explorer.js``."""
 
     _esm = Path(__file__).parent / "explorer.js"
 
@@ -80,10 +80,10 @@ class _PageScript(anywidget.AnyWidget):
 class Explorer(ipywidgets.VBox):
     """Sliders above a picture; the picture and the words under it follow every change.
 
-    The picture is an ``<img>`` whose alternative text is the words, so nothing is lost to those who cannot see it; the
-    words under it are for those who can, and are not read out a second time. An
-    error in ``update`` is shown in the picture's place, because Jupyter hides what a callback raises, and raised again,
-    so that a test or a cell that moves a slider fails.
+    The picture is an ``<img>`` with these words as its alternative text, for those who cannot see it. The words under
+    the picture are for those who can; a screen reader does not read them a second time. An error in ``update`` is shown
+    in place of the picture, because Jupyter hides the exceptions of callbacks, and is raised again, so that a test or a
+    cell that moves a slider fails.
     """
 
     def __init__(self, figure: Figure, update: Callable[..., str], extras=(), **sliders: ipywidgets.Widget):
@@ -116,12 +116,12 @@ class Explorer(ipywidgets.VBox):
             raise
 
     def _values(self) -> dict:
-        """What the sliders are set to: 0.2 where a page, counting steps from elsewhere, sends 0.19999999999999998."""
+        """The values of the sliders, rounded: 0.2 where a page that adds up steps sends 0.19999999999999998."""
         values = {name: each.value for name, each in self.sliders.items()}
         return {name: round(value, 9) if isinstance(value, float) else value for name, value in values.items()}
 
     def __repr__(self) -> str:
-        """What stands in the place of the widget where no kernel runs, as on a code host."""
+        """The text that is shown in place of the widget where no kernel runs, as on a code host."""
         return f"Explorer: {self.words}"
 
     def move(self, **values) -> str:

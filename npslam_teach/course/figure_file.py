@@ -1,4 +1,4 @@
-"""What a figure file is, and how it comes onto the disk."""
+"""What a figure file is, and how it is written."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass

@@ -16,7 +16,7 @@ from npslam_teach.evaluation.consistency import (
 )
 from npslam_teach.evaluation.map_quality import MapQuality, map_quality, position_variance, valid_only
 from npslam_teach.evaluation.metrics import Metrics, align_to_truth, distances_to_truth, evaluate
-from npslam_teach.evaluation.score import refitted_objective
+from npslam_teach.evaluation.score import refit, refitted_objective
 
 __all__ = [
     "Metrics",
@@ -28,6 +28,7 @@ __all__ = [
     "distances_to_truth",
     "evaluate",
     "position_variance",
+    "refit",
     "refitted_objective",
     "map_quality",
     "share_inside",

@@ -22,13 +22,18 @@ def true_association_fit(log: RobotLog, truth: GroundTruth) -> PoseGraph:
 
 
 def chi2_per_dof(graph: PoseGraph) -> float:
-    """chi2 over its degrees of freedom, measured numbers minus unknowns: near 1 when model and data agree.
+    """chi2 over its degrees of freedom: near 1 when model and data agree.
 
     NaN where nothing is left over, as when every observation is an object of its own.
     """
+    dof = degrees_of_freedom(graph)
+    return chi2(graph) / dof if dof > 0 else float("nan")
+
+
+def degrees_of_freedom(graph: PoseGraph) -> int:
+    """Measured numbers minus unknowns."""
     measured = 3 * len(graph.between.i) + 2 * len(graph.observations.pose)
-    unknown = unknowns_of(graph).count
-    return chi2(graph) / (measured - unknown) if measured > unknown else float("nan")
+    return measured - unknowns_of(graph).count
 
 
 def share_within(radius: float) -> float:

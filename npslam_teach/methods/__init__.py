@@ -4,11 +4,13 @@
 them all. Every method begins with the same snapshot 0: dead reckoning, every observation an object of its own.
 Begin with ``np_graph``, the paper's; ``registry`` has a record of each, ``settings`` the constants of the paper and of
 other sensors; ``ekf`` is the filter of ``ekf_slam``, ``block_filter`` the same faster. ``posterior`` goes past the
-paper: read ``tracklets``, ``annealing`` and ``repair`` with it, and ``posterior_samples``.
+paper: read ``tracklets``, ``annealing`` and ``repair`` with it, and ``posterior_samples``. ``noise_estimate`` asks a
+log how noisy it is.
 """
 
 from npslam_teach.methods.ekf_slam import ekf_slam
 from npslam_teach.methods.frame_by_frame import frame_by_frame
+from npslam_teach.methods.noise_estimate import NoiseEstimate, estimate_noise
 from npslam_teach.methods.np_graph import np_graph
 from npslam_teach.methods.open_loop import open_loop
 from npslam_teach.methods.posterior import posterior
@@ -20,8 +22,10 @@ from npslam_teach.methods.settings import paper_settings, settings_for
 __all__ = [
     "METHODS",
     "Method",
+    "NoiseEstimate",
     "PosteriorSamples",
     "ekf_slam",
+    "estimate_noise",
     "frame_by_frame",
     "np_graph",
     "open_loop",

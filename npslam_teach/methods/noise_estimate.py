@@ -10,6 +10,7 @@ taken, many times over: errors of different passes are independent. Where all ob
 noise is white, and they say it more precisely.
 """
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +26,7 @@ from npslam_teach.system.progress import track
 from npslam_teach.types import RobotLog
 
 CHOICES = 8  # of one observation per pass
+LEVERAGES = 80  # of the factors of a kind that are worked out
 MOST_STEPS, SETTLED = 30, 0.02  # relative change of a standard deviation that counts as none
 ALIKE = 1.25  # white noise: passes and all observations say the same, up to this factor
 # Of normal residuals within the gate the mean square is less than that of all: E[s; s < q] / 2 with s = chi-squared.
@@ -72,12 +74,15 @@ def estimate_noise(log: RobotLog, rounds: int = 8, *, seed: int = 0) -> NoiseEst
     # Too narrow gates cut objects into pieces, which costs more than too wide ones do: begin with twice the noise.
     log, converged = with_noise(log, 2 * log.odometry_std, 2 * log.observation_std), False
     for number in track(range(1, rounds + 1), rounds, "noise", "rounds"):
-        *_, last = posterior(log, starts=1, seed=seed)
-        estimate = _given_labels(log, last.labels, last.graph.poses, number, np.random.default_rng([seed, number]))
+        with warnings.catch_warnings(record=True) as said:
+            *_, last = posterior(log, starts=1, seed=seed)
+            estimate = _given_labels(log, last.labels, last.graph.poses, number, np.random.default_rng([seed, number]))
         before, log = _scales(log), estimate.applied_to(log)
         if np.abs(_scales(log) / before - 1).max() <= SETTLED:
             converged = True
             break
+    for each in said:  # of the last round; what an earlier one could not finish, it had another noise for
+        warnings.warn(each.message, stacklevel=2)
     return NoiseEstimate(**vars(estimate) | {"converged": converged})
 
 
@@ -108,7 +113,7 @@ def _fixed_point(log: RobotLog, labels: np.ndarray, choices: list, poses: np.nda
         for choice in choices:
             used = np.where(near >= 0, choice, -1)
             graph = fit(log, in_order_of_sight(used, used >= 0), poses)
-            for k, (kind, leverage) in enumerate(zip(FACTOR_KINDS, mean_leverages(graph), strict=True)):
+            for k, (kind, leverage) in enumerate(zip(FACTOR_KINDS, mean_leverages(graph, LEVERAGES), strict=True)):
                 off, information = kind.residuals(graph), kind.information(graph)
                 squares[k] += np.einsum("ei,eij,ej->", off, information, off)
                 free[k] += len(off) * np.sum(1 - leverage)

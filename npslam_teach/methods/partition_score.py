@@ -17,6 +17,7 @@ from npslam_teach.pose_graph import fit, mean_landmarks, observation_factors
 from npslam_teach.pose_graph.reduced_system import ReducedSystem, reduced_system
 from npslam_teach.types import PoseGraph
 
+MOST_OUTLIERS = 0.1  # of all observations; where more lie far out, it is the noise that is described wrongly
 OUTLIER_FACTOR = 5.0  # how many standard deviations of an observation an outlier is off, more or less
 
 
@@ -67,7 +68,7 @@ def partition_score(model: Model, labels: np.ndarray, graph: PoseGraph) -> float
 def without_displaced(model: Model, labels: np.ndarray, graph: PoseGraph) -> np.ndarray:
     """Labels (M,) in which objects that are others in a wrong place are joined to them, where the log has outliers."""
     share = outlier_share(model.log, graph, labels)
-    if share == 0.0:
+    if not 0.0 < share <= MOST_OUTLIERS:
         return labels
     finer, reduced, of_piece = _in_pieces(model, labels, graph)
     sampler = GibbsSampler(finer.evidence(reduced), of_piece, np.random.default_rng(0))

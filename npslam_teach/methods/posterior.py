@@ -10,7 +10,6 @@ apart, and how far drift may have carried them apart. It has no kernel and no th
 4. ``repair``: observations looked at again with the whole map at hand, and those that were left out.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -18,7 +17,7 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.association import first_observations, require_alpha, same_partition
-from npslam_teach.methods.annealing import COLD, TEMPERATURES, Model, State, anneal, rivals_of, settled, solved
+from npslam_teach.methods.annealing import COLD, TEMPERATURES, Model, State, anneal, rivals_of, settled
 from npslam_teach.methods.noise import with_noise
 from npslam_teach.methods.partition_score import with_whole_tracklets, without_displaced
 from npslam_teach.methods.repair import confirmed, cut_in_two, pieces, reassigned
@@ -105,7 +104,7 @@ def best_of_starts(model: Model, graph: PoseGraph, starts: int, seed) -> Iterato
     for start in range(starts):
         rng = np.random.default_rng([*seed, start])
         # Every other search is linear around the best trajectory so far: the first may have been far off.
-        around = graph if start % 2 == 0 else _tied_anew(model, best.graph, model.tracklet)[1]
+        around = graph if start % 2 == 0 else tied_anew(model, best.graph, model.tracklet)[1]
         *_, last = anneal(model, around, np.arange(len(model.rivals)), TEMPERATURES, rng)
         last = settled(model, last, rng)
         if best is None or last.log_posterior > best.log_posterior + SAME:
@@ -134,22 +133,6 @@ def repaired(model: Model, state: State, rng: np.random.Generator) -> tuple[Mode
         if same_partition(before, model.of_observations(state.labels)):
             break
     return model, state
-
-
-def best_state(log: RobotLog, alpha: float, area: float | None, starts: int, seed: int) -> tuple[Model, State]:
-    """The most probable partition that was found, with the tracklets in the pieces of which it is made.
-
-    Args: as in ``posterior``.
-    """
-    model, graph = start_model(log, alpha, area)
-    *_, state = track(best_of_starts(model, graph, starts, (seed,)), starts, "posterior", "searches")
-    if log.num_observations <= FEW:
-        return model, state
-    labels, graph = _refined(model, state, np.random.default_rng([seed, starts]))
-    piece, of_piece = pieces(model.tracklet, labels)
-    model, graph = _tied_anew(model, graph, piece)
-    graph, chi2 = solved(model, graph, of_piece, steps=20)
-    return model, State(1.0, of_piece, graph, math.nan, chi2, chi2)
 
 
 def _search(log: RobotLog, alpha: float, area: float | None, starts: int, seed: int):
@@ -191,13 +174,19 @@ def _with_left_out(model: Model, state: State) -> np.ndarray:
 
 def _descended(model: Model, state: State, tracklet, labels, temperatures, rng) -> tuple[Model, State]:
     """The same partition with other tracklets (M,), whose objects (N,) are given, and then the best that is near."""
-    model, graph = _tied_anew(model, state.graph, tracklet)
+    model, graph = tied_anew(model, state.graph, tracklet)
     *_, state = anneal(model, graph, labels, temperatures, rng)
     return model, settled(model, state, rng)
 
 
-def _tied_anew(model: Model, graph: PoseGraph, tracklet: np.ndarray) -> tuple[Model, PoseGraph]:
-    """The model with other tracklets (M,), and the graph with a landmark for each where it was seen."""
+def tied_anew(model: Model, graph: PoseGraph, tracklet: np.ndarray) -> tuple[Model, PoseGraph]:
+    """The model with other tracklets, and the graph with a landmark for each where it was seen.
+
+    Args:
+        model: the log and the prior.
+        graph: the trajectory, and the factors of the odometry.
+        tracklet: (M,) of each observation, from 0 without gaps; -1 = of none.
+    """
     log, places = model.log, se2.apply(graph.poses[model.log.obs_time], model.log.obs_xy)
     factors = observation_factors(log, tracklet)
     graph = replace(graph, landmarks=mean_landmarks(tracklet, places), observations=factors)

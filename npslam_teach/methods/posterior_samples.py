@@ -4,19 +4,21 @@ At temperature 1 the sampler of ``association.gibbs`` visits every partition as 
 there fifteen objects? How often are these two tracklets one chair? No threshold can say it.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from npslam_teach.association import require_alpha
+from npslam_teach.association import first_observations, in_order_of_sight, require_alpha
 from npslam_teach.association.gibbs import GibbsSampler
 from npslam_teach.association.split_merge import split_or_merge
-from npslam_teach.methods.annealing import PROPOSALS, Model, State
-from npslam_teach.methods.posterior import best_state, in_time
+from npslam_teach.methods.annealing import Model, State, solved
+from npslam_teach.methods.posterior import MARGIN, in_time, posterior, start_model, tied_anew
 from npslam_teach.pose_graph.reduced_system import reduced_system
 from npslam_teach.system.progress import track
-from npslam_teach.types import RobotLog
+from npslam_teach.types import RobotLog, Snapshot
 
+PROPOSALS = 4  # to split or to merge, after every sweep
 CHAINS, WARM_UP = 4, 0.25  # of each chain this share is thrown away before it is kept
 HOT = (8.0, 4.0, 2.0)  # where the chains come from, so that they begin apart
 
@@ -59,8 +61,12 @@ def sample_posterior(
     starts: int = 6,
     chains: int = CHAINS,
     seed: int = 0,
+    found: Snapshot | None = None,
 ) -> PosteriorSamples:
     """Sample partitions by Gibbs and split-merge moves, trajectory and map integrated out in the linear model.
+
+    The sampler believes that all noise is white and that every tracklet is a thing. What the search has left out, and
+    passes that it joined although white noise would not have carried them so far, are therefore left out here.
 
     Args:
         log: what the robot measured; at least one observation.
@@ -70,6 +76,7 @@ def sample_posterior(
         starts: searches for the best partition, around which the model is linear.
         chains: independent ones; each begins hot.
         seed: of the random numbers.
+        found: the last snapshot of ``posterior`` for this log and these settings; None: it is searched for.
     """
     require_alpha(alpha)
     for name, number in (("num_samples", num_samples), ("chains", chains)):
@@ -77,9 +84,50 @@ def sample_posterior(
             raise ValueError(f"{name}: expected a positive integer, got {number}")
     if log.num_observations == 0:
         raise ValueError("log: expected at least one observation, got none")
+    if found is None:
+        *_, found = posterior(log, alpha, area=area, starts=starts, seed=seed)
     ordered, back = in_time(log)
-    samples = sample_around(*best_state(ordered, alpha, area, starts, seed), num_samples, chains, seed)
+    model, state = whole_tracklets(ordered, found.labels[np.argsort(back)], found, alpha, area)
+    samples = sample_around(model, state, num_samples, chains, seed)
     return replace(samples, tracklet=samples.tracklet[back])
+
+
+def whole_tracklets(
+    log: RobotLog, labels: np.ndarray, found: Snapshot, alpha: float, area: float | None
+) -> tuple[Model, State]:
+    """What is sampled: the tracklets, in the pieces of which the best partition is made, without misfits.
+
+    Args:
+        log: in time.
+        labels: (M,) of its observations, -1 = of none.
+        found: whose trajectory is taken.
+        alpha: concentration of the Dirichlet process.
+        area: m^2, as in ``start_model``.
+    """
+    model, graph = start_model(log, alpha, area)
+    used, graph = (model.tracklet >= 0) & (labels >= 0), replace(graph, poses=found.graph.poses)
+    for _ in range(2):
+        piece = in_order_of_sight(np.column_stack([model.tracklet, labels]), used)
+        tied, of_piece = tied_anew(model, graph, piece), in_order_of_sight(labels[first_observations(piece)])
+        tied_graph, chi2 = solved(tied[0], tied[1], of_piece, steps=20)
+        state = State(1.0, of_piece, tied_graph, math.nan, chi2, chi2)
+        misfits = np.isin(piece, _misfits(tied[0], state))
+        if not misfits.any():
+            break
+        used &= ~misfits
+    return tied[0], state
+
+
+def _misfits(model: Model, state: State) -> np.ndarray:
+    """Tracklets that the linear model would not leave in the object where they are."""
+    sampler = GibbsSampler(model.evidence(reduced_system(state.graph)), state.labels, np.random.default_rng(0))
+    gain = []
+    for tracklet in range(len(state.labels)):
+        before = sampler.saved()
+        sampler.split_off(tracklet)
+        gain.append(sampler.log_posterior - before[-1])
+        sampler.restore(before)
+    return np.flatnonzero(np.array(gain) > MARGIN)
 
 
 def sample_around(model: Model, state: State, num_samples: int, chains: int, seed: int) -> PosteriorSamples:

@@ -92,16 +92,19 @@ def outlier_share(log: RobotLog, graph: PoseGraph, labels: np.ndarray) -> float:
     """The share of the observations that lie far out, beyond what a normal distribution and chance explain; 0 if none.
 
     Residuals are compared with their own median, so that a log that is better than it says has no outliers for that.
+    An object that is seen n times takes up the share 1/n of their squares; one that is seen once says nothing.
 
     Args:
         log: what was measured.
         graph: one landmark for each object, solved.
         labels: (M,) index of the object; -1 = of none.
     """
-    used = np.flatnonzero(labels >= 0)
+    count = np.bincount(labels[labels >= 0], minlength=1)[labels]
+    used = np.flatnonzero((labels >= 0) & (count > 1))
     if len(used) == 0:
         return 0.0
     squared = _squared_residuals(log, used, graph.poses, graph.landmarks[labels[used]])
+    squared *= count[used] / (count[used] - 1)
     typical = np.median(squared) / squared_radius(0.5)
     chance = 1 - GATE
     share = np.mean(squared > squared_radius(GATE) * typical)

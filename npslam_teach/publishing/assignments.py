@@ -1,11 +1,11 @@
 """Assignments: from a lesson and its solutions the student's copy, and the source that nbgrader grades.
 
-An exercise stands in a lesson as a cell tagged ``exercise-N`` that ends in dots and a cell tagged ``check-N``; the
-lesson's solutions notebook has the same cells, filled in. Both versions are made from these two files, so nothing is
-written twice:
+An exercise of a lesson is a cell tagged ``exercise-N`` that ends in dots, and a cell tagged ``check-N``; the lesson's
+solutions notebook has the same cells, filled in. Both versions are made from these two files, so nothing is written
+twice:
 
 - the source has the solution where the dots were, between marks, and after each check a locked cell with hidden
-  tests, which fails with the check's own sentence;
+  tests, which fails with the check's own message;
 - the student's copy is the source without solutions and hidden tests, as nbgrader itself would release it.
 
 Making them needs no nbgrader. The folder that holds them is laid out as nbgrader expects a course to be.
@@ -23,27 +23,27 @@ NBGRADER_CONFIG = f'''"""Settings of nbgrader for the assignments in this folder
 
 c = get_config()  # noqa: F821 - nbgrader provides it
 
-# The blanks of the lessons: the checks know them, and nothing stops the lesson when one is left.
+# What stands for a blank in the lessons: the checks recognise it, and a lesson runs on when one is left.
 c.ClearSolutions.code_stub = {{"python": "{STUB}"}}
-# A cell of a lesson takes seconds; a student's endless loop is stopped after these.
+# A cell of a lesson takes seconds; an endless loop of a student's is stopped after so many.
 c.Execute.timeout = 120
 '''
 
 
 def write_assignments(notebooks: Path, numbers: list[str], out: Path, only_student: bool = False) -> list[Path]:
-    """Write the assignments of some lessons; refuses before anything is written if one of the files is there.
+    """Write the assignments of some lessons; fails before anything is written if one of the files exists.
 
     Args:
         notebooks: the folder of the lessons, with ``solutions`` in it.
         numbers: of the lessons, such as "04".
         out: the folder to write into, made if it is not there.
-        only_student: leave out all that holds solutions.
+        only_student: leave out every file that holds solutions.
 
     Returns:
         the files written.
 
     Raises:
-        ValueError: there is no such lesson, or a file that would be written is there already.
+        ValueError: there is no such lesson, or a file that would be written exists already.
     """
     import nbformat
 
@@ -115,7 +115,7 @@ def assignment_source(notebooks: Path, number: str):
 
 
 def _require_all(path: Path, lesson, solved: dict, stars: dict[int, int]) -> None:
-    """Every exercise has a check, a solution and stars; fails with the lesson's name where one is missing."""
+    """Raise ValueError with the lesson's name unless every exercise has a check, a solution and stars."""
     tagged = _tagged(lesson)
     exercises = {number for kind, number in tagged if kind == "exercise"}
     checks = {number for kind, number in tagged if kind == "check"}
@@ -141,7 +141,7 @@ def student_version(source):
 
 
 def exercise_stars(lesson) -> dict[int, int]:
-    """How many stars each exercise of a lesson has, by its number; as many points is it worth."""
+    """The stars of each exercise of a lesson, by its number; an exercise is worth as many points."""
     text = "\n".join(cell.source for cell in lesson.cells)
     named = re.findall(r"Exercise (\d+) \(?(★+)", text)
     listed = re.findall(r"^(\d+)\. (★+)", text, re.MULTILINE)
@@ -159,7 +159,7 @@ def _graded_cell(check: str, lesson: str, exercise: int, points: int):
     lines = [
         f"# Exercise {exercise} is graded here, by the check above: {points} point{'s' * (points > 1)}.",
         HIDDEN_TESTS[0],
-        # Under the package's name alone: a lesson has variables of its own, ``checks`` among them.
+        # Only the name of the package is bound: a lesson has variables of its own, ``checks`` among them.
         f"import npslam_teach.course.{subject}.checks",
         "",
         f"npslam_teach.course.checking.require(npslam_teach.course.{subject}.checks.{call[1]}, {call[2]})",
@@ -199,7 +199,7 @@ def _without_outputs(cell):
 
 
 def _self_contained(cell, folder: Path):
-    """Pictures go into the cell, links to other files become plain words: the notebook may lie anywhere."""
+    """Pictures go into the cell, links to other files become plain text, so that the notebook works in any folder."""
     cell.source = without_badge(cell.source)
     for alt, target in re.findall(r"!\[([^\]]*)\]\(([^)]+)\)", cell.source):
         if re.match(r"https?://", target):

@@ -25,7 +25,7 @@ _INSTALLED = (
 
 
 def write_book(folder: Path, out: Path, browser: str | None = None) -> None:
-    """Write the book; the name says whether as HTML or as PDF.
+    """Write the book, as HTML or as PDF by the ending of the name.
 
     Args:
         folder: the course's ``notebooks``.
@@ -63,7 +63,7 @@ def _chapter(path: Path) -> tuple[Chapter, str]:
     exporter.register_filter("markdown2html", lambda source: render(source, chapter))
     notebook = for_paper(lessons.read(path))
     for cell in notebook.cells:
-        # Lessons number their cells alike, and each becomes a place in the page.
+        # Ids of cells become anchors of the one page, and recur from lesson to lesson.
         cell.id = f"{chapter.number}-{cell.id}"
     body, _ = exporter.from_notebook_node(notebook)
     return chapter, body
@@ -116,7 +116,7 @@ def print_to_pdf(page: str, browser: str) -> bytes:
         options += [f"--user-data-dir={temporary}/profile", "--no-pdf-header-footer"]
         options += ["--generate-pdf-document-outline", f"--print-to-pdf={target}"]
         if hasattr(os, "geteuid") and os.geteuid() == 0:
-            options += ["--no-sandbox"]  # which does not work for root; in a container everybody is root
+            options += ["--no-sandbox"]  # the sandbox does not work for root, the user of most containers
         done = subprocess.run([browser, *options, source.as_uri()], capture_output=True, stdin=subprocess.DEVNULL)
         if done.returncode != 0 or not target.is_file():
             raise ValueError(f"{browser}: expected a PDF, got none (exit code {done.returncode})")

@@ -11,13 +11,13 @@ from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
 from npslam_teach.system.files import read_bytes
 
 _LESSON = re.compile(r"(?:\./)?((\d\d|draw)_\w+\.ipynb)(?:#.*)?")
-# Not from the system's own table, which differs from machine to machine.
+# Not from the operating system's table, which differs from machine to machine.
 _KINDS = {".png": "image/png", ".svg": "image/svg+xml", ".gif": "image/gif", ".jpg": "image/jpeg"}
 
 
 @dataclass
 class Chapter:
-    """One lesson on its way into the book; rendering adds its headings.
+    """One lesson that is being rendered for the book; rendering adds its headings.
 
     Attributes:
         number: of the lesson, as from ``lessons.number``.
@@ -40,7 +40,7 @@ def render(source: str, chapter: Chapter) -> str:
 
     Args:
         source: the Markdown.
-        chapter: of which it is a part.
+        chapter: the lesson that the cell is part of.
 
     Raises:
         ValueError: a formula cannot be set.
@@ -80,7 +80,7 @@ def picture_data(path: Path) -> str:
 
 
 class _Renderer(IPythonRenderer):
-    """nbconvert's own, but for what a book needs otherwise than a page of its own."""
+    """nbconvert's renderer, changed for lessons that share one page."""
 
     def __init__(self, chapter: Chapter):
         super().__init__(escape=False)
@@ -106,7 +106,7 @@ class _Renderer(IPythonRenderer):
 
     def block_math(self, body: str) -> str:
         """A formula on a line of its own."""
-        # A long formula scrolls, so the keyboard must be able to come to it.
+        # A long formula scrolls, so it must be reachable by the keyboard.
         return f'<div class="formula" tabindex="0">{mathml(body, "block")}</div>\n'
 
     def inline_math(self, body: str) -> str:

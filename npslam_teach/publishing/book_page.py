@@ -102,5 +102,5 @@ def _contents(chapter: Chapter) -> str:
 def _code_colours() -> str:
     from pygments.formatters import HtmlFormatter
 
-    # Of Pygments' styles the one whose every colour has a contrast of 4.5 to 1 on the grey that code stands on.
+    # The style of Pygments in which every colour has a contrast of 4.5 to 1 against the grey behind the code.
     return HtmlFormatter(style="xcode", nobackground=True).get_style_defs(".highlight")

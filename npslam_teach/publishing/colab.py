@@ -1,6 +1,6 @@
-"""How a lesson begins: a badge that opens it in Colab, and a cell that gets the course where it is not installed.
+"""How a lesson begins: a badge that opens it in Colab, and a cell that installs the course where it is missing.
 
-Both depend on where the course is published, and that stands in one place: ``Repository`` under ``[project.urls]`` in
+Both depend on where the course is published, which is written in one place: ``Repository`` under ``[project.urls]`` in
 ``pyproject.toml``. A copy that is not published has no such line; its badges open the page on which Colab asks for a
 repository, and its cell says what is missing.
 """
@@ -21,7 +21,7 @@ _ALT = "Open this lesson in Google Colab"
 _PICTURE = "open_in_colab.svg"
 _BADGE = re.compile(rf"\n\[!\[{_ALT}\]\([^)]*\)\]\([^)]*\)\n")
 _REPOSITORY = re.compile(r"https://github\.com/[A-Za-z0-9-]+/[A-Za-z0-9._-]+")
-# A way for JupyterLite, which has piplite and no address but its own, and a way for all others.
+# JupyterLite installs from its own site with piplite; everything else from the repository with pip.
 _INSTALL = """\
 import importlib.util
 
@@ -52,7 +52,7 @@ def repository(pyproject: Path) -> str | None:
 
 
 def without_badge(text: str) -> str:
-    """The Markdown of a lesson's first cell without its badge, which would open the lesson and not a copy of it."""
+    """The Markdown of a lesson's first cell without its badge, which would open the lesson instead of a copy of it."""
     return _BADGE.sub("\n", text)
 
 
@@ -70,7 +70,7 @@ def badge(name: str, address: str | None) -> str:
 
 
 def install_source(address: str | None) -> str:
-    """The cell that gets the course where it is missing, and does nothing where it is there.
+    """The cell that installs the course where it is missing, and does nothing where it is not.
 
     Args:
         address: as from ``repository``.

@@ -16,7 +16,7 @@ from pathlib import Path
 from npslam_teach.publishing import lessons
 
 MARKER = "npslam_teach-site.json"
-# Of the extensions that happen to be installed where the site is built, those that a lesson needs.
+# The extensions that a lesson needs; others that are installed where the site is built are left out.
 _EXTENSIONS = ("@jupyter-widgets/jupyterlab-manager", "@jupyterlite/pyodide-kernel-extension", "anywidget")
 _SOURCES = ("npslam_teach", "pyproject.toml", "README.md", "LICENSE")
 
@@ -27,8 +27,8 @@ def build_site(root: Path, out: Path, pyodide: Path | None = None) -> Path:
     Args:
         root: the course's folder.
         out: the folder to make; it does not exist, is empty, or holds a site that this function built.
-        pyodide: a folder with a distribution of Pyodide to hand out with the site, so that readers need no other
-            host for what is in it.
+        pyodide: a folder with a distribution of Pyodide to serve with the site, so that readers need no other host for
+            what is in it.
 
     Returns:
         the path of the site.
@@ -81,11 +81,11 @@ def build_wheel(root: Path, folder: Path) -> Path:
     """Build the course's wheel into ``folder``, without the network, and return its path.
 
     Raises:
-        ValueError: pip could not; the message ends with what it said last.
+        ValueError: pip failed; the message ends with the last line of its output.
     """
     folder.mkdir(parents=True)
     with tempfile.TemporaryDirectory() as temporary:
-        # A copy, because setuptools leaves a folder `build` and takes what lies in an older one for current.
+        # A copy, because setuptools leaves a folder `build` behind, and reuses files of an older one.
         copy = Path(temporary) / "course"
         for name in _SOURCES:
             if (root / name).is_dir():
@@ -133,7 +133,7 @@ def _run_jupyterlite(source: Path, site: Path) -> None:
     }
     configuration = source / "jupyter_lite_config.json"
     configuration.write_text(json.dumps({"LiteBuildConfig": settings}), encoding="utf-8")
-    # It keeps notes on what is up to date in the current folder, so that must be a new one.
+    # It records in the current folder what is up to date, so that must be a new one.
     _run(["jupyterlite_core", "build", "--lite-dir", str(source)], source)
 
 
@@ -145,7 +145,7 @@ def _extensions() -> list[Path]:
 
 
 def _run(arguments: list[str], folder: Path) -> None:
-    """Run ``python -m``; fails in one sentence that ends with the last line of what it said."""
+    """Run ``python -m``; raises ValueError with one sentence that ends with the last line of the output."""
     command = [sys.executable, "-m", *arguments]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, encoding="utf-8", errors="replace")
     if done.returncode != 0:

@@ -28,7 +28,7 @@ def lesson_paths(folder: Path) -> list[Path]:
 
 
 def number(path: Path) -> str:
-    """What a lesson is called in short: "04", or "draw" for the one without a number."""
+    """The short name of a lesson: "04", or "draw" for the one without a number."""
     return path.stem.split("_")[0]
 
 

@@ -1,4 +1,4 @@
-"""The cell of an exercise: a solution put in place of its dots, and taken out again; text in, text out."""
+"""Exercise cells as text: put a solution in place of the dots, and take it out again."""
 
 import ast
 import re
@@ -14,8 +14,8 @@ def with_solution(exercise: str, solution: str, imports: dict[str, str]) -> str:
     Args:
         exercise: the lesson's cell: comments, and one function that ends in dots.
         solution: the same function, filled in.
-        imports: what the solution may need and the lesson has not imported, as name and statement. What it uses
-            is imported within the function, where it cannot hide a variable of the lesson.
+        imports: what the solution may need and the lesson has not imported, as name and statement. What the solution
+            uses is imported within the function, where it cannot hide a variable of the lesson.
 
     Raises:
         ValueError: the two are not the same function, or the exercise does not end in dots.
@@ -32,7 +32,7 @@ def with_solution(exercise: str, solution: str, imports: dict[str, str]) -> str:
 
 
 def cut(text: str, marks: tuple[str, str], instead: list[str]) -> str:
-    """Text without the lines between two marks, indented replacements in their place."""
+    """Text without the lines between two marks, with the replacements in their place, indented alike."""
     lines, cutting = [], False
     for line in text.split("\n"):
         if line.strip() == marks[0]:
@@ -56,7 +56,7 @@ def imports(source: str) -> dict[str, str]:
 
 
 def _free_names(function: ast.FunctionDef) -> set[str]:
-    """What a function uses and does not define itself."""
+    """The names that a function uses and does not define itself."""
     names = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
     used = {node.id for node in names if isinstance(node.ctx, ast.Load)}
     own = {node.id for node in names if isinstance(node.ctx, ast.Store)}

@@ -1,7 +1,8 @@
-"""Worlds, paths and noisy runs through them. The only place where noise is drawn.
+"""Worlds, paths and noisy runs through them.
 
-``runs`` drives any path through any world; the other modules each hold a scene, ``drawn`` that of a student and
-``gallery`` those that break the method, ``recording`` what a robot writes down that errs as real ones do.
+``robot_run`` drives any path through any world. Scenes have modules of their own: ``hand_drawn`` for a world that a
+student draws, ``gallery`` for worlds that break the method, ``from_prior`` for worlds from the posterior's prior,
+``recording`` for a robot that errs as real ones do.
 """
 
 from npslam_teach.simulate.fifteen_objects import FIFTEEN_CLASSES, designed_path, fifteen_objects, scattered_world

@@ -11,9 +11,9 @@ FIFTEEN_CLASSES = ("chair", "screen", "cup", "book", "lamp")
 def fifteen_objects(seed: int = 2016, noise: float = 1.0) -> tuple[RobotLog, GroundTruth]:
     """Our own version of the paper's simulation: 15 objects, 5 classes of 3, a path that sees each several times.
 
-    The seed draws the world and the noise, so that a statement over seeds is a statement over worlds. Worlds in which
-    the path passes some object only once are drawn again. The number of observations differs from seed to seed,
-    between about 1050 and 1300.
+    The seed determines both the world and the noise, so a result over many seeds is a result over many worlds. Worlds
+    in which the path passes some object fewer than two times are drawn again. The number of observations differs from
+    seed to seed, between about 1050 and 1300.
 
     Args:
         seed: of ``numpy.random.default_rng``; the default is the year of the paper.
@@ -28,7 +28,7 @@ def fifteen_objects(seed: int = 2016, noise: float = 1.0) -> tuple[RobotLog, Gro
 
 
 def num_visits(world: World, path: np.ndarray, sensor: SensorModel, gap: int = 20) -> np.ndarray:
-    """How often the path passes each object: (K,) observations at poses more than ``gap`` apart are two visits."""
+    """How often the path passes each object, (K,). Observations more than ``gap`` poses apart are two visits."""
     time, obj, _ = visible_objects(world, path, sensor)
     times = [time[obj == k] for k in range(len(world.object_xy))]
     return np.array([np.count_nonzero(np.diff(t) > gap) + (len(t) > 0) for t in times])
@@ -45,7 +45,7 @@ def scattered_world(
     """Objects scattered evenly over a square, none too close to another.
 
     In the paper's own scene the nearest two objects of one class are 2.9 m apart. Two chairs that stand closer together
-    than drift has moved them cannot be told apart by position and class.
+    than the drift cannot be distinguished by position and class.
 
     Args:
         objects_per_class: how many of each.
@@ -76,7 +76,7 @@ def designed_path(step: float = 0.1) -> np.ndarray:
     """The designed path of the fifteen-object scene: a closed line of 70 m that loops three times.
 
     It is an epitrochoid about the middle of the 10 m x 10 m room, and each loop passes through the middle. Within a
-    loop an object is seen again after some 12 m, and the whole round closes at the end.
+    loop an object is seen again after some 12 m, and the whole path closes at the end.
 
     Args:
         step: m between one pose and the next.

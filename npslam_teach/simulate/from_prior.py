@@ -1,7 +1,8 @@
 """Runs whose chairs are drawn from the prior of the posterior method, so that its probabilities can be checked.
 
-A probability is right when, of all that was given it, that share is true. That is promised only for worlds that are
-drawn as the model says: who is who from a Chinese restaurant, chairs uniform over a square, white Gaussian noise.
+Probabilities are calibrated when, of all pairs that were given probability p, a share of p are really one object. This
+can be expected only of worlds that are drawn from the model itself: associations from a Chinese restaurant process,
+chairs uniform over a square, white Gaussian noise.
 """
 
 import numpy as np
@@ -23,12 +24,12 @@ def chairs_from_prior(
     side: float = 2.0,
     noise: float = 1.0,
 ) -> tuple[RobotLog, GroundTruth]:
-    """One sighting at each of some poses, of a chair that a Chinese restaurant seats there.
+    """One observation at each of the given poses, of a chair that a Chinese restaurant process chooses.
 
     Args:
-        rng: draws who is who, the chairs, the sightings' noise and the steps' noise.
+        rng: draws the associations, the chairs, the observation noise and the odometry noise.
         steps: (T-1, 3) the true motion, R_{t+1} in R_t.
-        obs_time: (M,) poses.
+        obs_time: (M,) index of the pose of each observation.
         odometry_std: (3,) m, m, rad per step, as the log will say.
         observation_std: (2,) m, as the log will say.
         alpha: concentration of the restaurant.

@@ -1,6 +1,6 @@
-"""Worlds to begin with in "draw your own world": one that the method likes, and five that break it, each in its way.
+"""Worlds to begin with in "draw your own world": one that the method handles well, and five that break it.
 
-Beside each of the five stands the same world without its defect, so that it can be seen what the defect does.
+Each of the five breaks it in another way, and comes with the same world without the defect for comparison.
 """
 
 from dataclasses import dataclass, replace
@@ -24,13 +24,13 @@ _FIFTEEN = (
 
 @dataclass(frozen=True, eq=False)
 class GalleryWorld:
-    """A world with one defect, and the same without it."""
+    """A world with one defect, and the same world without it."""
 
     title: str
-    look_for: str  # one sentence: what is to be seen
+    look_for: str  # one sentence: what to look at
     drawing: Drawing
     without: Drawing
-    cure: str  # what makes the second one different
+    cure: str  # how the world without the defect differs
 
 
 def figure_of_eight(rounds: float = 2.0) -> np.ndarray:
@@ -81,7 +81,7 @@ def _thinned(xy: np.ndarray) -> np.ndarray:
     return np.column_stack([np.interp(even, along, xy[:, axis]) for axis in (0, 1)]).round(3)
 
 
-_HEALTHY = drawn_fifteen()  # the cure of three
+_HEALTHY = drawn_fifteen()  # three of the worlds without their defect
 
 
 def _twins() -> GalleryWorld:

@@ -1,4 +1,4 @@
-"""The house: many rooms like that of the fifteen objects, side by side, for questions of size."""
+"""A grid of rooms, each like that of the fifteen objects, to measure how methods scale."""
 
 from dataclasses import replace
 
@@ -13,11 +13,11 @@ POSES_PER_ROOM = 766  # as many as the paper's whole run
 
 
 def grid_of_rooms(num_rooms: int, seed: int = 0, noise: float = 0.0) -> tuple[RobotLog, GroundTruth]:
-    """As many rooms as wanted, each with fifteen objects and 766 poses: the density stays, the size grows.
+    """Any number of rooms, each with fifteen objects and 766 poses: the size grows and the density stays the same.
 
-    Rooms lie on a square grid and are visited row by row, there and back. In each the robot drives the designed path
-    of ``fifteen_objects``; on its way to the next it crosses that room, and it sees a little into the row beside it.
-    The detector misses some observations, so that their number per room is that of the paper, about 1100.
+    Rooms lie on a square grid and are visited row by row, to the right and back. In each the robot drives the designed
+    path of ``fifteen_objects``; then it crosses the room to reach the next. It also sees a little into the row beside
+    it. The detector misses some objects, so that the number of observations per room is the paper's, about 1100.
 
     Args:
         num_rooms: 1 is about the size of the paper's run, 100 is 76,600 poses and 1,500 objects.
@@ -43,7 +43,7 @@ def room_corners(num_rooms: int) -> np.ndarray:
 
 
 def house_path(corners: np.ndarray) -> np.ndarray:
-    """The designed path in one room after the other: (766 N, 3) poses in W, evenly spaced."""
+    """The designed path in one room after another: (766 N, 3) poses in W, evenly spaced."""
     line = np.concatenate([corner + designed_path()[:, :2] for corner in corners])
     length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
     num_poses = POSES_PER_ROOM * len(corners)

@@ -1,6 +1,6 @@
 """A world that somebody drew: a line for the robot's path, objects where they were dropped, and the noise.
 
-A hand trembles and a mouse counts pixels, so the line is smoothed before the robot follows it.
+A hand trembles and a mouse reports whole pixels, so the line is smoothed before the robot follows it.
 """
 
 from dataclasses import dataclass, replace
@@ -12,10 +12,10 @@ from npslam_teach.types import GroundTruth, RobotLog, SensorModel, World
 from npslam_teach.validation import checked_array
 
 STEP = 0.1  # m between two poses, as in the paper's simulation
-HAND_STD = 0.15  # m along the line: shorter wiggles are the hand's
+HAND_STD = 0.15  # m along the line, of the Gaussian that smooths it: shorter wiggles are not meant
 _SAMPLING = 0.02  # m between the points that are smoothed
 
-# What a kernel works through while somebody waits for the picture to move.
+# As much as a kernel can process while somebody waits for the picture to change.
 MIN_LENGTH, MAX_LENGTH = 1.0, 100.0  # m
 MAX_POINTS, MAX_OBJECTS, MAX_OBSERVATIONS = 20_000, 60, 5_000
 MAX_NOISE, MAX_CLUTTER = 5.0, 1.0
@@ -26,12 +26,12 @@ MAX_SEED = 2**32
 class Drawing:
     """Everything that a student decides. The seed decides the rest."""
 
-    stroke: np.ndarray  # (N, 2) m, W: the line as it came from the hand
-    object_xy: np.ndarray  # (K, 2) m, W, where the robot sets out
+    stroke: np.ndarray  # (N, 2) m, W: the line as it was drawn
+    object_xy: np.ndarray  # (K, 2) m, W, at the first pose
     object_class: np.ndarray  # (K,) index into class_names
     class_names: tuple  # C names
     room: np.ndarray  # (4,) m, W: left, bottom, right, top
-    object_goal: np.ndarray | None = None  # (K, 2) m, W: where each is when the robot arrives; None: nothing moves
+    object_goal: np.ndarray | None = None  # (K, 2) m, W, at the last pose; None: nothing moves
     noise: float = 1.0  # 1 is the paper's, see paper_sensor
     clutter_rate: float = 0.0  # false observations per pose
     seed: int = 1
@@ -83,14 +83,14 @@ def drawn_run(drawing: Drawing) -> tuple[RobotLog, GroundTruth]:
     """Drive the drawn path through the drawn world.
 
     Args:
-        drawing: the same one gives the same run.
+        drawing: equal drawings give equal runs.
 
     Returns:
-        what the robot measures, and the truth. Of an object that is carried about, the truth keeps the place where
-        it stood at first: the format knows no other.
+        what the robot measures, and the truth. Of an object that is carried, the truth holds the position at the first
+        pose: the format has no other.
 
     Raises:
-        ValueError: there are more observations than can be worked through while somebody waits.
+        ValueError: there are more observations than can be processed while somebody waits.
     """
     world = World(drawing.object_xy, drawing.object_class, drawing.class_names)
     path, sensor = drawn_path(drawing.stroke), drawn_sensor(drawing)
@@ -99,7 +99,7 @@ def drawn_run(drawing: Drawing) -> tuple[RobotLog, GroundTruth]:
     expected = len(visible_objects(world, path, sensor, object_paths)[0]) + drawing.clutter_rate * len(path)
     if expected > MAX_OBSERVATIONS:
         hint = "draw a shorter path or fewer objects"
-        raise ValueError(f"sightings: expected at most {MAX_OBSERVATIONS}, got about {expected:.0f}; {hint}")
+        raise ValueError(f"observations: expected at most {MAX_OBSERVATIONS}, got about {expected:.0f}; {hint}")
     return simulate_run(world, path, sensor, np.random.default_rng(int(drawing.seed)), object_paths)
 
 
@@ -111,7 +111,7 @@ def drawn_sensor(drawing: Drawing) -> SensorModel:
 def drawn_path(stroke: np.ndarray, step: float = STEP) -> np.ndarray:
     """The poses (T, 3) of a robot that follows a line drawn by hand, in steps of equal length.
 
-    Wiggles shorter than a hand's are smoothed away. The line is first mirrored in each of its ends, so that the ends
+    Short wiggles are smoothed away. The line is first extended by its point reflection at both ends, so that the ends
     stay where they were drawn and a straight line stays straight.
 
     Args:
@@ -119,7 +119,7 @@ def drawn_path(stroke: np.ndarray, step: float = STEP) -> np.ndarray:
         step: m.
 
     Raises:
-        ValueError: next to nothing is left of the line, because it was all wiggles.
+        ValueError: less than half of ``MIN_LENGTH`` is left of the line after smoothing.
     """
     along = _lengths(stroke)
     num_points = max(int(np.ceil(along[-1] / _SAMPLING)), 2) + 1
@@ -131,7 +131,7 @@ def drawn_path(stroke: np.ndarray, step: float = STEP) -> np.ndarray:
     smooth = np.column_stack([np.convolve(padded[:, axis], kernel / kernel.sum(), mode="valid") for axis in (0, 1)])
     length = stroke_length(smooth)
     if length < MIN_LENGTH / 2:
-        raise ValueError(f"path: expected a line that leads somewhere, got one of {length:.2f} m without its wiggles")
+        raise ValueError(f"path: expected at least {MIN_LENGTH / 2:g} m after smoothing, got {length:.2f} m")
     return follow(smooth, step)
 
 

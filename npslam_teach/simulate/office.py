@@ -17,15 +17,15 @@ OFFICE_CLASSES = ("chair", "screen", "cup", "book", "keyboard", "phone", "plant"
 ROOM_SIZE = (8.4, 7.2)  # m, from (0, 0)
 DESK_SIZE = (1.6, 0.8)  # m; a desk's own frame has x along its front edge and y away from who sits there
 
-# x, y in m and rad of every desk: two back to back in the middle, eight along the walls.
-EAST, NORTH, WEST, SOUTH = -np.pi / 2, 0.0, np.pi / 2, np.pi  # where somebody at the desk looks
+# x, y in m and heading in rad of every desk: two back to back in the middle, eight along the walls.
+EAST, NORTH, WEST, SOUTH = -np.pi / 2, 0.0, np.pi / 2, np.pi  # where a person at the desk looks
 DESKS = np.array(
     [(4.2, 3.2, NORTH), (4.2, 4.0, SOUTH)]
     + [(2.2, 0.4, SOUTH), (4.2, 0.4, SOUTH), (6.2, 0.4, SOUTH)]
     + [(8.0, 2.6, EAST), (8.0, 4.6, EAST)]
     + [(5.6, 6.8, NORTH), (2.6, 6.8, NORTH), (0.4, 3.6, WEST)]
 )
-# What stands at a desk, in its own frame: class, x, y in m.
+# What stands at a desk, in the desk's frame: class, x, y in m.
 TWO_PLACES = (("chair", -0.4, -0.65), ("chair", 0.4, -0.65), ("screen", -0.35, 0.2), ("screen", 0.35, 0.2))
 ONE_PLACE = (("chair", 0.0, -0.65), ("screen", 0.0, 0.2))
 THINGS_AT = (
@@ -66,12 +66,12 @@ class OfficeScene:
     seed: int
     world: World
     yaw: np.ndarray  # (K,) rad, how each object is turned
-    at_desk: np.ndarray  # (K,) index into DESKS; -1: on its own on the floor
+    at_desk: np.ndarray  # (K,) index into DESKS; -1: on the floor
     path: np.ndarray  # (T, 3) true poses in W
 
 
 def office(seed: int = 2016) -> tuple[RobotLog, GroundTruth]:
-    """Walk twice around the office and write down what an RGB-D camera and a detector report.
+    """Walk twice around the office and record what an RGB-D camera and a detector report.
 
     Args:
         seed: of ``numpy.random.default_rng``; it moves the objects and draws all noise.
@@ -80,7 +80,7 @@ def office(seed: int = 2016) -> tuple[RobotLog, GroundTruth]:
         what the estimator may see, and the truth.
     """
     scene = office_scene(seed)
-    # A stream of its own: what the camera of `office_camera` draws must not depend on it.
+    # A separate random stream, so that it has no influence on what `office_camera` draws.
     return simulate_run(scene.world, scene.path, office_sensor(), np.random.default_rng([seed, 1]))
 
 
@@ -90,7 +90,7 @@ def office_scene(seed: int = 2016) -> OfficeScene:
     name, x, y, desk = zip(*_plan(), strict=True)
     desk = np.array(desk)
     is_chair = np.array(name) == "chair"
-    # Never far: no chair may stand in the aisle.
+    # Bounded: no chair may stand in the aisle.
     nudge = rng.normal(size=(len(name), 3)).clip(-1.5, 1.5) * np.where(is_chair, 0.10, 0.03)[:, None]
     origin = np.where(desk[:, None] >= 0, DESKS[desk], 0.0)
     # Chairs stand turned by some 20 degrees, the rest nearly straight.
@@ -107,11 +107,11 @@ def _plan() -> list[tuple]:
 
 
 def office_sensor() -> SensorModel:
-    """The wheels, the RGB-D camera and the detector of the office.
+    """The odometry, the RGB-D camera and the detector of the office.
 
-    Odometry errs by what ``load_stata_office`` assumes of the authors' visual odometry. The camera sees 57 degrees, as
-    the first Kinect did, and to 4 m. A measured centre errs more along the view than across it, because a camera sees
-    the front of things only; lesson 08 measures both on rendered frames.
+    The odometry noise is what ``load_stata_office`` assumes of the authors' visual odometry. The field of view is 57
+    degrees, as that of the first Kinect, and the range 4 m. A measured centre errs more along the view than across it,
+    because a camera sees only the front of an object; lesson 08 measures both errors on rendered frames.
     """
     confusion = np.eye(len(OFFICE_CLASSES))
     for true, reported, share in CONFUSED:
@@ -146,7 +146,7 @@ def office_path(step: float = 0.04) -> np.ndarray:
         lap.append(corner + radius * np.column_stack([np.cos(angle), np.sin(angle)]))
     lap = np.concatenate(lap)
     middle = follow(np.concatenate([lap, lap, lap[:1]]), 0.01)
-    # The sway does not fit a whole number of times into a lap, so no place is passed twice in the same way.
+    # A lap is not a whole number of sways, so no place is passed twice in the same way.
     sway = 0.1 * np.sin(2 * np.pi * 0.01 * np.arange(len(middle)) / 3.1)
     xy = se2.apply(middle, np.column_stack([np.zeros_like(sway), sway]))
     return follow(xy, step)

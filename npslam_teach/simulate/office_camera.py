@@ -1,7 +1,8 @@
-"""An RGB-D camera in the office: a small picture with depth, ray by ray, and the boxes of a detector on it.
+"""An RGB-D camera in the office: a small ray-traced image with depth, and the boxes that a detector finds in it.
 
 Every object is a few boxes and upright cylinders, the room a box seen from inside. A ray enters a convex body where it
-has entered all the slabs that bound it, and has not yet left any (Kay and Kajiya 1986); the nearest entry is seen.
+has entered all the slabs that bound it, and has not yet left any (Kay and Kajiya 1986). A pixel shows the body that its
+ray enters first.
 """
 
 from dataclasses import dataclass
@@ -23,16 +24,16 @@ from npslam_teach.simulate.office_shapes import (
     WALL_COLOR,
 )
 
-CAMERA_HEIGHT = 1.1  # m above the floor; it looks level
+CAMERA_HEIGHT = 1.1  # m above the floor; the optical axis is horizontal
 CEILING = 2.7  # m
 MAX_DEPTH = 4.5  # m; beyond it the sensor gives no reading
-MIN_PIXELS, MIN_SHARE = 20, 0.6  # of an object, not hidden by another, before the detector finds it
+MIN_PIXELS, MIN_SHARE = 20, 0.6  # visible pixels of an object, and their share, that the detector needs
 TOP_LIGHT, FRONT_LIGHT, SIDE_LIGHT = 1.0, 0.85, 0.7  # share of the light on a horizontal face and on the others
 
 
 @dataclass(frozen=True, eq=False)
 class RgbdFrame:
-    """What the camera and the detector hand over; no identity is in it."""
+    """What the camera and the detector report; it holds no identity of an object."""
 
     rgb: np.ndarray  # (H, W, 3) in [0, 1]
     depth: np.ndarray  # (H, W) m along the optical axis; 0 is no reading
@@ -44,7 +45,7 @@ class RgbdFrame:
 
 @dataclass(frozen=True, eq=False)
 class FrameTruth:
-    """What is really seen; for pictures and for judging."""
+    """The ground truth of a frame; for pictures and for evaluation."""
 
     object_at: np.ndarray  # (H, W) index of the object that a pixel shows; -1: room or desk
     obs_object: np.ndarray  # (N,) the object in each box
@@ -77,7 +78,7 @@ def rendered_frame(scene: OfficeScene | int, pose_index: int) -> RgbdFrame:
 
 
 def rendered_frame_and_truth(scene: OfficeScene | int, pose_index: int) -> tuple[RgbdFrame, FrameTruth]:
-    """The same, and what is really there."""
+    """The frame of ``rendered_frame``, and its ground truth."""
     scene = scene if isinstance(scene, OfficeScene) else office_scene(scene)
     rng = np.random.default_rng([scene.seed, 2, pose_index])
     camera, pose = office_camera(), scene.path[pose_index]
@@ -86,7 +87,7 @@ def rendered_frame_and_truth(scene: OfficeScene | int, pose_index: int) -> tuple
     depth = np.where(exact < MAX_DEPTH, exact + noise * rng.normal(size=exact.shape), 0.0)
     pixels = np.bincount(object_at[(object_at >= 0) & (depth > 0)], minlength=len(whole))
     obj = np.flatnonzero((pixels >= MIN_PIXELS) & (pixels >= MIN_SHARE * whole))
-    boxes = np.array([_loose_box(object_at == k, rng) for k in obj]).reshape(-1, 4)
+    boxes = np.array([_widened_box(object_at == k, rng) for k in obj]).reshape(-1, 4)
     confusion = _office_sensor().class_confusion
     obs_class = [rng.choice(len(confusion), p=confusion[c]) for c in scene.world.object_class[obj]]
     frame = RgbdFrame(rgb, depth, boxes, np.array(obs_class, int), rng.uniform(0.6, 1.0, len(obj)).round(2), camera)
@@ -123,7 +124,9 @@ def _placed(shape: tuple, pose: np.ndarray, base: float, color: tuple, of_object
     ]
 
 
-def cast(bodies: list[Body], pose: np.ndarray, camera: Intrinsics) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def cast(
+    bodies: list[Body], pose: np.ndarray, camera: Intrinsics
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """The nearest body along the ray of every pixel.
 
     Args:
@@ -132,10 +135,11 @@ def cast(bodies: list[Body], pose: np.ndarray, camera: Intrinsics) -> tuple[np.n
         camera: at ``CAMERA_HEIGHT`` over it.
 
     Returns:
-        (H, W) m, depth; (H, W, 3) colour; (H, W) index of the object, -1 for room and furniture.
+        (H, W) m, depth; (H, W, 3) colour; (H, W) index of the object, -1 for room and furniture; (K,) how many pixels
+        each object would cover if nothing hid it.
     """
     v, u = np.mgrid[: camera.height, : camera.width]
-    # For each metre ahead, a ray goes so many metres to the left and up: its parameter is the depth itself.
+    # How far a ray goes to the left and up for each metre ahead: so the parameter along the ray is the depth.
     left, up = (camera.cx - u) / camera.fx, (camera.cy - v) / camera.fy
     depth, rgb = _room(pose, left, up)
     object_at = np.full(depth.shape, -1)
@@ -161,7 +165,7 @@ def _room(pose, left, up) -> tuple[np.ndarray, np.ndarray]:
     depth = np.minimum(np.minimum(leave_x, leave_y), leave_z)
     on_floor = (leave_z == depth) & (up < 0)
     light = np.where(leave_z == depth, TOP_LIGHT, np.where(leave_x == depth, FRONT_LIGHT, TOP_LIGHT))
-    tile = np.floor(pose[:2] + depth[..., None] * direction).sum(axis=-1) % 2  # squares of a metre, for the eye
+    tile = np.floor(pose[:2] + depth[..., None] * direction).sum(axis=-1) % 2  # squares of one metre
     light = np.where(on_floor, light - 0.08 * tile, light)
     return depth, light[..., None] * np.where(on_floor[..., None], FLOOR_COLOR, WALL_COLOR)
 
@@ -183,7 +187,7 @@ def _enter(body: Body, pose: np.ndarray, left: np.ndarray, up: np.ndarray) -> tu
 
 def _slab(origin: float, direction: np.ndarray, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
     """Where rays enter and leave the space between two parallel planes."""
-    direction = np.where(np.abs(direction) < 1e-12, 1e-12, direction)  # parallel rays: as good as never
+    direction = np.where(np.abs(direction) < 1e-12, 1e-12, direction)  # parallel rays enter and leave very far away
     a, b = (low - origin) / direction, (high - origin) / direction
     return np.minimum(a, b), np.maximum(a, b)
 
@@ -197,7 +201,7 @@ def _disc(origin: np.ndarray, direction: np.ndarray, radius: float) -> tuple[np.
 
 
 def _window(body: Body, pose: np.ndarray, camera: Intrinsics) -> tuple[slice, slice]:
-    """The rows and columns in which a body can be seen, so that the other rays need not be tried."""
+    """The rows and columns in which a body can appear; the rays of all other pixels are not tested against it."""
     corners = body.half * np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
     ahead, left = se2.apply_inverse(pose, se2.apply(body.pose, corners)).T
     if ahead.max() <= 0.05:
@@ -214,7 +218,7 @@ def _clipped(pixels: np.ndarray, size: int) -> slice:
     return slice(int(np.clip(low, 0, size)), int(np.clip(high, 0, size)))
 
 
-def _loose_box(mask: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+def _widened_box(mask: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """The box around the pixels of a mask, up to 3 pixels too wide on each side."""
     v, u = np.nonzero(mask)
     slack = rng.integers(0, 4, 4)

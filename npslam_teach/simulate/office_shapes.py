@@ -1,11 +1,11 @@
-"""What the things of the office look like to a camera: their bodies and their colours."""
+"""The shapes and colours of the office's objects, as the camera renders them."""
 
 from npslam_teach.simulate.office import DESK_SIZE
 
 DESK_TOP = 0.72  # m
 
-# The bodies of each class as (round, half length x, half length y, z from, z to, y), in m and in its own frame, z from
-# what it stands on; a round one has its radius as its half length.
+# The bodies of each class as (round, half length x, half length y, z from, z to, y), in m and the object's frame; z is
+# measured from the surface that the object stands on, and the half length of a round body is its radius.
 SHAPES = {
     "chair": (
         (False, 0.23, 0.23, 0.40, 0.48, 0.0),
@@ -28,7 +28,7 @@ DESK_SHAPE = (
     (False, DESK_SIZE[0] / 2, DESK_SIZE[1] / 2, DESK_TOP - 0.04, DESK_TOP, 0.0),
     (False, DESK_SIZE[0] / 2, 0.02, 0.10, DESK_TOP - 0.04, 0.3),
 )
-COLORS = {  # red, green, blue of what the light falls on, as an office has them; not the colours of the maps
+COLORS = {  # red, green, blue, as in a real office; not the colours of the maps
     "chair": (0.25, 0.35, 0.60),
     "screen": (0.12, 0.13, 0.16),
     "cup": (0.80, 0.25, 0.20),

@@ -1,6 +1,6 @@
 """One noisy run along a path through a world: what the robot measures, and the noise of the paper.
 
-Every function that draws takes the generator; the same seed gives the same run on every machine.
+Every function that draws random numbers takes a generator; the same seed gives the same run on every machine.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ FILE_OBSERVATION_STD = np.array([0.1, 0.1])  # m
 ADDED_ODOMETRY_STD = np.array([0.02, 0.02, 0.01])  # m, m, rad per step
 ADDED_OBSERVATION_STD = np.array([0.1, 0.1])  # m
 
-STRETCH = 1000  # poses whose observations are looked for together
+STRETCH = 1000  # poses that are processed together when visible objects are looked for
 
 
 def paper_sensor(noise: float = 1.0) -> SensorModel:
@@ -68,7 +68,7 @@ def simulate_run(
     rng: np.random.Generator,
     object_paths: np.ndarray | None = None,
 ) -> tuple[RobotLog, GroundTruth]:
-    """Drive a path through a world and write down what the robot measures.
+    """Drive a path through a world and record what the robot measures.
 
     Args:
         world: the objects.
@@ -78,7 +78,7 @@ def simulate_run(
         object_paths: (T, K, 2) m, W: where each object is at each pose, see ``carried``; None: where the world has it.
 
     Returns:
-        what the estimator may see, and the truth, which holds the world as given whether anything moved or not.
+        what the estimator may see, and the truth, which holds the world as given even when objects moved.
     """
     path, num_classes = _checked_path(path), len(world.class_names)
     _require_confusion(sensor.class_confusion, num_classes)
@@ -92,7 +92,7 @@ def simulate_run(
     clutter_time, clutter_xy, clutter_class = _clutter(len(path), num_classes, sensor, rng)
 
     time = np.concatenate([time, clutter_time])
-    # Within a frame in random order: otherwise the order itself would give the objects' identities away.
+    # Within a frame in random order: otherwise the order itself would reveal the objects' identities.
     in_time = np.lexsort((rng.random(len(time)), time))
     log = RobotLog(
         odometry=odometry,
@@ -127,7 +127,7 @@ def visible_objects(
     Returns:
         (V,) pose index, in increasing order; (V,) object index; (V, 2) m, the object in the frame of the pose.
     """
-    checked_array("world.object_xy", world.object_xy, (None, 2))  # a truth may have gaps, a scene may not
+    checked_array("world.object_xy", world.object_xy, (None, 2))  # a truth may hold NaN, a scene may not
     shape, observations = (len(path), *world.object_xy.shape), []
     if object_paths is None:
         object_xy = np.broadcast_to(world.object_xy, shape)
@@ -147,7 +147,7 @@ def visible_objects(
 
 
 def carried(object_xy: np.ndarray, goal_xy: np.ndarray, num_poses: int) -> np.ndarray:
-    """Where objects are while somebody carries them, evenly and straight, from here to there during the whole run.
+    """Positions of objects that are carried at constant speed along a straight line, during the whole run.
 
     Args:
         object_xy: (K, 2) m, W, at the first pose.
@@ -155,7 +155,7 @@ def carried(object_xy: np.ndarray, goal_xy: np.ndarray, num_poses: int) -> np.nd
         num_poses: T.
 
     Returns:
-        (T, K, 2) m, W, for ``simulate_run``. Only the simulator knows it: a log does not tell what moved.
+        (T, K, 2) m, W, for ``simulate_run``. Only the simulator knows them: a log does not record what moved.
     """
     share = np.linspace(0.0, 1.0, num_poses)[:, None, None]
     return object_xy + share * (np.asarray(goal_xy) - object_xy)
@@ -169,7 +169,7 @@ def follow(xy: np.ndarray, step: float) -> np.ndarray:
         step: m.
 
     Returns:
-        (T, 3) poses in W; each heads for the next, the last one as the one before it.
+        (T, 3) poses in W; each faces the next, and the last has the heading of the one before it.
     """
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(xy, axis=0), axis=1))])
     stops = np.arange(0.0, length[-1] + 1e-9, step)
@@ -188,7 +188,7 @@ def _reported_class(true_class: np.ndarray, confusion: np.ndarray | None, rng: n
 
 
 def _clutter(num_poses: int, num_classes: int, sensor: SensorModel, rng: np.random.Generator):
-    """False detections: how many is Poisson, where is even over the field of view, of which class is even too."""
+    """False detections: their number is Poisson, their position uniform over the field of view, their class uniform."""
     time = np.repeat(np.arange(num_poses), rng.poisson(sensor.clutter_rate, num_poses))
     distance = sensor.max_range * np.sqrt(rng.random(len(time)))
     bearing = sensor.field_of_view * (rng.random(len(time)) - 0.5)

@@ -1,8 +1,8 @@
 """The toy scene of the deck, ``Obj_1`` to ``Obj_8``: fixed by hand, small enough to be checked on paper.
 
 A robot drives a loop of 9 m through a room and sees two chairs, a screen and a cup. Between pose 2 and pose 3 its
-wheels spin: they report 2.0 m where it moved 1.7 m. That is the only error, so along the wheels' path all that was seen
-before the slip is where it should be, and all that was seen after it is 0.3 m too far in y.
+wheels spin: they report 2.0 m where it moved 1.7 m. That is the only error, so along the odometry path all observations
+before the slip are in their true places, and all observations after it are 0.3 m too far in y.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ QUARTER = np.pi / 2
 TRUE_STEPS = np.array([[2.0, 0, 0], [2.0, 0, QUARTER], [2.0 - SLIP, 0, QUARTER], [2.0, 0, QUARTER], [1.2, 0, -QUARTER]])
 OBJECT_XY = np.array([[1.2, 1.1], [1.2, 0.4], [2.8, 0.6], [0.6, 0.2]])  # m: chair A, chair B, the screen, the cup
 OBJECT_CLASS = np.array([0, 0, 1, 2])
-SEEN = (  # Obj_1 ..: (pose, object); the last one is not there at all
+SEEN = (  # Obj_1 to Obj_7: (pose, object); Obj_8 is false
     (0, 0),
     (0, 1),
     (1, 2),
@@ -42,7 +42,7 @@ def toy_objects() -> tuple[RobotLog, GroundTruth]:
     8      nothing               a false detection of a screen
     =====  ====================  ==========================================================
 
-    Along the wheels' path Obj_5 is 0.3 m from Obj_2 (``exp(-4 d^2) = 0.698``), 0.4 m from Obj_1 (0.527) and 0.7 m from
+    Along the odometry path Obj_5 is 0.3 m from Obj_2 (``exp(-4 d^2) = 0.698``), 0.4 m from Obj_1 (0.527) and 0.7 m from
     Obj_4 (0.141).
     """
     poses = se2.dead_reckoning(TRUE_STEPS)

@@ -1,11 +1,10 @@
 """Makes the course's environment, with nothing but the standard library.
 
 The environment is the folder ``.venv`` beside this package. It counts as ready only while its stamp holds the
-sha256 of ``environment.txt``. The stamp is removed before anything is touched and written last, so whatever
-interrupts a set-up leaves no stamp, and the next call makes the environment anew. ``interpreter`` says when it is
-needed.
+sha256 of ``environment.txt``. The stamp is removed before anything is touched and written last, so an interrupted
+set-up leaves no stamp, and the next call makes the environment anew. ``interpreter`` decides when it is needed.
 
-This file must parse on Python 3.6, so that an old interpreter can say so: hence the quoted annotations.
+This file must parse on Python 3.6, so that an old interpreter can report its age: hence the quoted annotations.
 """
 
 import contextlib
@@ -26,7 +25,7 @@ class SetupError(Exception):
 
 
 class Environment:
-    """What belongs to the environment of the course in ``root``, the folder that holds the package."""
+    """The files of the environment of the course in ``root``, the folder that holds the package."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -41,23 +40,23 @@ class Environment:
         return hashlib.sha256(self.requirements.read_bytes()).hexdigest()
 
     def is_stamped(self) -> bool:
-        """Tell whether the last set-up was completed, and for the present ``environment.txt``."""
+        """Return whether the last set-up was completed, and for the present ``environment.txt``."""
         try:
             return self.stamp.read_text() == self.digest()
-        except (OSError, ValueError):  # not there, or not text
+        except (OSError, ValueError):  # missing, or not text
             return False
 
     def is_current(self) -> bool:
-        """Tell whether this process runs on the environment's own interpreter."""
+        """Return whether this process runs on the environment's own interpreter."""
         return self.folder.exists() and os.path.samefile(sys.prefix, str(self.folder))
 
     def is_intact(self) -> bool:
-        """Tell whether the interpreter runs and finds the packages (not so after an upgrade of Python)."""
+        """Return whether the interpreter runs and finds the packages (after an upgrade of Python it may not)."""
         site_packages = self.site_packages()
         return site_packages is not None and (site_packages / f"{PACKAGE}.pth").exists()
 
     def is_foreign(self) -> bool:
-        """Tell whether somebody else made the folder: an editor, or a person by hand."""
+        """Return whether something else made the folder: an editor, or a person by hand."""
         settings = self.folder / "pyvenv.cfg"
         own_line = f"prompt = {PACKAGE!r}"
         return settings.exists() and own_line not in settings.read_text(errors="replace").splitlines()
@@ -98,7 +97,7 @@ def set_up(environment: Environment) -> None:
 
 
 def create(environment: Environment, lock: int) -> None:
-    """Make an empty virtual environment with pip in it, in place of whatever stood there."""
+    """Make an empty virtual environment with pip in it, in place of what was there."""
     try:
         import ensurepip  # noqa: F401 - Debian keeps it in a package of its own
         import venv
@@ -120,7 +119,7 @@ def install(environment: Environment, lock: int) -> None:
     (site_packages / f"{PACKAGE}.pth").write_text(path + "\n", encoding="utf-8")
     # A pip.conf that asks for --user would stop pip in any virtual environment; --no-user overrules it.
     options = ["--no-user", "--no-input", "--disable-pip-version-check", "--prefer-binary"]
-    # And one that names another place to install to would leave this one empty.
+    # A pip.conf that names another folder to install into would leave this one empty.
     folder = environment.folder.absolute()
     options += ["--target=", "--prefix=" + str(folder), "--root=" + folder.anchor]
     command = ["-m", "pip", "install", *options, "-r", str(environment.requirements)]
@@ -135,8 +134,8 @@ def install(environment: Environment, lock: int) -> None:
 def run_python(environment: Environment, arguments: "list[str]", lock: int) -> int:
     """Run the environment's interpreter on its own packages alone and return its exit code.
 
-    All that it prints goes to standard error, because the command's ``--json`` must stand alone on standard
-    output. It inherits the lock, so that a pip that outlives its killed parent still keeps others away.
+    Its output goes to standard error, because the JSON of ``--json`` must be all that is on standard output. It
+    inherits the lock, so that a pip that outlives its killed parent still keeps other set-ups waiting.
     """
     inherited = () if os.name == "nt" else (lock,)
     command = [str(environment.python), "-I", *arguments]
@@ -144,7 +143,7 @@ def run_python(environment: Environment, arguments: "list[str]", lock: int) -> i
 
 
 def write_stamp(environment: Environment, digest: str) -> None:
-    """Declare the environment complete, in one step that happens or does not."""
+    """Declare the environment complete, in one atomic step."""
     temporary = environment.stamp.with_suffix(".new")
     temporary.write_text(digest)
     os.replace(str(temporary), str(environment.stamp))

@@ -1,4 +1,4 @@
-"""Opening files for reading and replacing them whole, with errors of one sentence."""
+"""Files are read whole and replaced atomically, with errors of one sentence."""
 
 import os
 import secrets
@@ -8,7 +8,7 @@ from pathlib import Path
 
 from npslam_teach.system.interruption import critical_section
 
-MAX_BYTES = 1 << 27  # of a file to read; the largest graph of 100,000 poses has a quarter of it
+MAX_BYTES = 1 << 27  # of a file to read, four times the size of the largest graph of 100,000 poses
 
 
 @contextmanager
@@ -21,7 +21,7 @@ def prefix_errors(where):
 
 
 def shorten(value, length: int = 60) -> str:
-    """``repr(value)`` on one line and cut to ``length`` characters, so that an error stays one sentence."""
+    """``repr(value)`` on one line, cut to ``length`` characters, so that an error stays one sentence."""
     text = " ".join(repr(value).split())
     return text if len(text) <= length else text[: length - 3] + "..."
 
@@ -68,10 +68,10 @@ def read_bytes(path) -> bytes:
 
 @contextmanager
 def atomic_write(path, mode: str = "w"):
-    """Open a file for writing that appears under its name only when all of it has been written.
+    """Open a file for writing; it appears under its name only when all of it has been written.
 
     The bytes go to a temporary name in the same folder, which then replaces ``path`` in one step. When the
-    body raises, the temporary file is removed and whatever was at ``path`` before is untouched. A symbolic
+    body raises, the temporary file is removed and a file that was at ``path`` before is untouched. A symbolic
     link stays one: the file that it points to is replaced.
 
     Args:
@@ -96,8 +96,8 @@ def atomic_write(path, mode: str = "w"):
             finally:
                 temporary.unlink(missing_ok=True)
     except OSError as error:
-        # A full disk names no file; an error that names one of ours comes from opening or replacing it. Any
-        # other was raised by the body about something else and is not ours to reword.
+        # The error of a full disk names no file; one that names the temporary file comes from opening or replacing
+        # it. Any other error was raised by the body about something else, and passes unchanged.
         if error.filename in (None, str(temporary), temporary):
             raise ValueError(f"{path}: expected a place to write, got {_reason(error)}") from None
         raise
@@ -106,7 +106,7 @@ def atomic_write(path, mode: str = "w"):
 def _checked_target(path: Path) -> Path:
     """The file that ``path`` names once links are followed, in a folder that exists."""
     mode = _file_type(path)
-    # Replacing /dev/null by a file would be a nasty surprise.
+    # /dev/null, for example, must not be replaced by a file.
     if mode and not stat.S_ISREG(mode):
         kind = "a folder" if stat.S_ISDIR(mode) else "a device or pipe"
         raise ValueError(f"{path}: expected the name of a file to write, got {kind}")

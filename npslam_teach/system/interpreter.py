@@ -1,10 +1,10 @@
-"""Which interpreter a command runs on, and how it starts over on that, with nothing but the standard library.
+"""Choose the interpreter of a command and start the command over on it, with nothing but the standard library.
 
 An interpreter that already satisfies ``environment.txt`` (a hub's image, conda, another virtual environment) is used as
-it is; otherwise the course's own environment is, which is made if need be. What ``PYTHONPATH`` puts before an
-environment's own packages, as a terminal of ROS does, is left behind wherever the rest is enough.
+it is; otherwise the course's own environment is used, and made if it is missing. Packages that ``PYTHONPATH`` puts
+before those of the interpreter, as a terminal of ROS does, are left out wherever the others are enough.
 
-This file must parse on Python 3.6, so that an old interpreter can say so: hence the quoted annotations.
+This file must parse on Python 3.6, so that an old interpreter can report its age: hence the quoted annotations.
 """
 
 import contextlib
@@ -21,14 +21,15 @@ OLDEST_PYTHON = (3, 11)
 
 
 def enter_environment(arguments: "list[str]", root: "Path | None" = None) -> None:
-    """Return in an interpreter that has all of ``environment.txt``, or start the command over in one.
+    """Return if this interpreter has all of ``environment.txt``; otherwise start the command over on one that has.
 
     Args:
         arguments: what follows ``python3 -m npslam_teach`` on the command line.
         root: the folder that holds ``environment.txt``; by default the parent of this package.
 
     Raises:
-        SystemExit: 2 after one sentence on standard error if there can be none, 130 after Ctrl-C.
+        SystemExit: 2 after one sentence on standard error if no such interpreter is found or can be made; 130 after
+            Ctrl-C.
     """
     root = root or Path(__file__).absolute().parent.parent.parent
     try:
@@ -53,7 +54,7 @@ def check_python(version: "tuple[int, ...]") -> None:
 
 
 def find_interpreter(environment: Environment) -> "Path | None":
-    """Return the interpreter to start over in, made if need be; None if the current one will do."""
+    """Return the interpreter to start over on, made if necessary; None if the current one can be used."""
     if not environment.requirements.exists():
         return None  # installed from a wheel, which brought its dependencies along
     foreign = foreign_packages(environment.root)
@@ -64,7 +65,7 @@ def find_interpreter(environment: Environment) -> "Path | None":
         _show_to_children(environment.root)
         return Path(sys.executable) if foreign else None
     elif foreign and satisfies(environment.requirements):
-        _show_to_children(environment.root)  # some clusters hand out NumPy itself that way
+        _show_to_children(environment.root)  # some clusters provide even NumPy in this way
         return None
     if not (environment.is_stamped() and environment.is_intact()):
         set_up(environment)
@@ -72,7 +73,7 @@ def find_interpreter(environment: Environment) -> "Path | None":
 
 
 def satisfies(requirements: Path, without: "list[str]" = ()) -> bool:
-    """Tell whether the current interpreter has everything that the requirements file asks for.
+    """Return whether the current interpreter has everything that the requirements file asks for.
 
     Args:
         requirements: the file.
@@ -100,7 +101,7 @@ def _has_all(requirements: Path) -> bool:
         wanted = [each for each in wanted if each.marker is None or each.marker.evaluate()]
         return all(each.specifier.contains(Version(version(each.name)), prereleases=True) for each in wanted)
     except (PackageNotFoundError, KeyError, TypeError, ValueError):
-        return False  # not there, or half removed, or a line that is not a plain requirement
+        return False  # missing, or half removed, or a line that is not a plain requirement
 
 
 def start_over(python: Path, arguments: "list[str]", root: Path) -> None:
@@ -114,7 +115,7 @@ def replace_process(command: "list[str]") -> None:
     """Run a command in place of this process, with its exit code and its signals; does not return."""
     if os.name != "nt":
         os.execv(command[0], command)
-    # On Windows, exec would leave the command running behind the prompt. Ctrl-C is the child's to answer.
+    # On Windows, exec would leave the command running behind the prompt. The child handles Ctrl-C.
     with critical_section(), subprocess.Popen(command) as child:
         while True:
             with contextlib.suppress(KeyboardInterrupt):
@@ -122,12 +123,12 @@ def replace_process(command: "list[str]") -> None:
 
 
 def foreign_packages(root: Path) -> "list[str]":
-    """Name the folders beside this one in which PYTHONPATH looks for packages."""
+    """Return the folders of PYTHONPATH other than the course's own."""
     paths = os.environ.get("PYTHONPATH", "").split(os.pathsep)
     return [path for path in paths if path and not (os.path.isdir(path) and os.path.samefile(path, str(root)))]
 
 
 def _show_to_children(root: Path) -> None:
-    """Let kernels and workers, which start in other folders, import the package that nobody installed."""
+    """Let kernels and workers, which start in other folders, import the package, which is not installed."""
     paths = os.environ.get("PYTHONPATH", "").split(os.pathsep)
     os.environ["PYTHONPATH"] = os.pathsep.join([str(root)] + [p for p in paths if p not in ("", str(root))])

@@ -1,9 +1,8 @@
 """Ctrl-C: the process ends at once with one line and exit code 130, and no half-written file stays behind.
 
 Python answers Ctrl-C with an exception wherever it happens to be. In the middle of an import that becomes a traceback
-of forty lines or an ImportError, and in a destructor it is swallowed. So a process of ours ends inside the signal's
-handler, except where something has to be tidied up: those places are marked by `critical_section`
-and get the exception.
+of forty lines or an ImportError, and in a destructor it is swallowed. So our process ends inside the signal handler,
+except where something has to be cleaned up: those places are marked by `critical_section` and get the exception.
 
 Like everything that runs before the environment is found, this file must parse on Python 3.6.
 """
@@ -23,13 +22,13 @@ def end_at_once() -> None:
 
 
 def ignore() -> None:
-    """The work is done: let the interpreter close down in peace, and the exit code be that of the work."""
+    """Ignore Ctrl-C from now on: the work is done, and the interpreter closes down with the exit code of the work."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 @contextlib.contextmanager
 def critical_section():
-    """Within this block Ctrl-C raises KeyboardInterrupt, so that what was begun is tidied up on the way out."""
+    """Within this block Ctrl-C raises KeyboardInterrupt, so that what was begun can be cleaned up."""
     global _open_sections
     _open_sections += 1
     try:
@@ -39,7 +38,7 @@ def critical_section():
 
 
 def print_interrupted() -> None:
-    """The one line; straight to the descriptor, because the interrupted code may be in the middle of a print."""
+    """Write the one line directly to the descriptor: the interrupted code may be in the middle of a print."""
     # A terminal shows ^C and perhaps a progress bar on the present line.
     line = ("\n" if sys.stderr.isatty() else "") + "npslam_teach: interrupted\n"
     with contextlib.suppress(OSError):
@@ -47,7 +46,7 @@ def print_interrupted() -> None:
 
 
 def _answer(signal_number, frame):
-    ignore()  # whoever presses twice must not interrupt the tidying up
+    ignore()  # a second Ctrl-C must not interrupt the cleaning up
     if _open_sections:
         raise KeyboardInterrupt
     print_interrupted()

@@ -17,7 +17,7 @@ WRITTEN = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "IPY
 def own_jupyter() -> dict[str, str]:
     """Variables under which Jupyter finds the kernel of this interpreter first.
 
-    A kernel ``python3`` of the user's, for another Python, would otherwise run the lessons wherever it comes first.
+    Otherwise a kernel ``python3`` of the user's, for another Python, would run the lessons wherever it is found first.
     """
     known = os.environ.get("JUPYTER_PATH", "").split(os.pathsep)
     ours = str(Path(sys.prefix, "share", "jupyter"))
@@ -25,11 +25,11 @@ def own_jupyter() -> dict[str, str]:
 
 
 def writable_folders() -> dict[str, str]:
-    """Variables that send Jupyter, IPython and matplotlib to a temporary folder, if one of theirs cannot be written."""
+    """Variables that send Jupyter, IPython and matplotlib to a temporary folder if one of theirs is not writable."""
     if all(_is_writable(Path(folder)) for folder in _usual_folders()):
         return {}
     folder = tempfile.mkdtemp(prefix="npslam_teach-")
-    say(f"the home folder cannot be written to; Jupyter's own files are in {folder} until this machine tidies up.")
+    say(f"the home folder cannot be written to; Jupyter's own files are in the temporary folder {folder}.")
     return {name: str(Path(folder, name.lower())) for name in WRITTEN}
 
 
@@ -41,7 +41,7 @@ def _usual_folders() -> list[str]:
 
 
 def _is_writable(folder: Path) -> bool:
-    """Whether a file can be made in a folder, or the folder itself; what was made to find out is removed."""
+    """Whether a file can be made in a folder, which need not exist; what was made for the test is removed."""
     missing = [each for each in (folder, *folder.parents) if not each.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""What set-up needs first: a lock that ends with the last process that holds it, and one way to say what happens.
+"""What a set-up needs first: a lock that ends with the last process that holds it, and messages to the user.
 
 This file parses on Python 3.6, as ``environment`` does.
 """
@@ -34,7 +34,7 @@ def _try_lock(descriptor: int) -> bool:
             import fcntl
 
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except (BlockingIOError, PermissionError):  # how POSIX and Windows say "taken"
+    except (BlockingIOError, PermissionError):  # how POSIX and Windows report that it is held
         return False
     return True
 

@@ -1,4 +1,4 @@
-"""What long work shows while it goes on: one bar on a terminal, and nothing anywhere else."""
+"""Progress of long work: one bar on a terminal, and nothing anywhere else."""
 
 import contextlib
 from collections.abc import Iterable, Iterator
@@ -10,7 +10,7 @@ _wanted = ContextVar("wanted", default=False)
 
 @contextlib.contextmanager
 def progress_shown() -> Iterator[None]:
-    """Whatever is tracked inside shows a bar; a library that is called from elsewhere stays silent."""
+    """Within this block tracked work shows a bar; outside of it the library stays silent."""
     token = _wanted.set(True)
     try:
         yield
@@ -21,13 +21,13 @@ def progress_shown() -> Iterator[None]:
 def track(steps: Iterable, total: int | None, what: str, unit: str) -> Iterator:
     """The steps one by one, counted by a bar where one is wanted and standard error is a terminal.
 
-    Of loops inside each other the outermost has the bar, unless it has a single step, which would tell nothing.
+    Of nested loops the outermost has the bar, unless it has a single step.
 
     Args:
         steps: what takes the time.
-        total: how many there are; None: nobody knows.
-        what: is done.
-        unit: a step, in one word.
+        total: how many there are; None if that is not known.
+        what: the name of the work, before the bar.
+        unit: one word for a step.
     """
     if total == 1 or not _wanted.get():
         yield from steps

@@ -1,6 +1,6 @@
-"""Standard input, output and error, all three there whatever the caller has closed (Stevens, APUE, section 13.3).
+"""Standard input, output and error, opened again if the caller has closed them (Stevens, APUE, section 13.3).
 
-A closed one is None in Python, and its descriptor would go to the first file that is opened: a print would land in it.
+A closed stream is None in Python, and the next file that is opened gets its descriptor: a print could end up in it.
 This file parses on Python 3.6, as ``environment`` does.
 """
 

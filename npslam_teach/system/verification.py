@@ -1,6 +1,6 @@
-"""A finished set-up, tried: ``python -m npslam_teach.system.verification environment.txt`` imports what was installed.
+"""Test a finished set-up: ``python -m npslam_teach.system.verification environment.txt`` imports what was installed.
 
-It needs nothing but the standard library, for what was installed may be anywhere or nowhere.
+It needs nothing but the standard library, because the packages may be missing or broken.
 """
 
 import importlib
@@ -37,7 +37,7 @@ def _canonical(name: str) -> str:
 def _problem_with(module: str) -> str | None:
     """Why a module cannot be imported; None where it can."""
     if module.startswith("_") or not module.isidentifier():
-        return None  # not meant for others
+        return None  # private to its package
     try:
         importlib.import_module(module)
     except Exception as error:  # a package that is broken may raise anything

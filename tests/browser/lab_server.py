@@ -2,17 +2,12 @@
 
 import contextlib
 import os
-import re
 import shutil
-import signal
-import socket
-import subprocess
-import sys
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import lab_process
 import nbformat
 import pytest
 
@@ -22,7 +17,6 @@ CHROMIUM_ARGUMENTS = (
     "--disable-gpu --disable-dev-shm-usage --disable-quic --no-first-run --disable-background-networking "
     "--disable-component-update --disable-sync"
 ).split()
-START_SECONDS = 90
 CELLS_SECONDS = 300
 PAGE_SECONDS = 120
 LARGE_WINDOW = {"width": 1400, "height": 1000}
@@ -65,33 +59,19 @@ def new_context(browser, **how):
     return context
 
 
-def free_port() -> int:
-    with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
-        return listener.getsockname()[1]
-
-
 @contextlib.contextmanager
 def running_lab(folder: Path, settings: Path) -> Iterator[Lab]:
-    """Start ``python -m npslam_teach lab`` in a copy of the course, and shut it down as Ctrl-C twice would.
+    """Start ``python -m npslam_teach lab`` in a copy of the course, and shut it down at the end.
 
     Args:
         folder: from ``copy_of_the_course``.
         settings: an empty folder for Jupyter's own files, so that a user's settings change nothing here.
     """
     own = {f"JUPYTER_{name}_DIR": str(settings / name.lower()) for name in ("CONFIG", "DATA", "RUNTIME")}
-    environment = os.environ | own | {"PYTHONPATH": str(folder), "IPYTHONDIR": str(settings / "ipython")}
-    command = [sys.executable, "-m", "npslam_teach", "lab", "--no-browser", "--port", str(free_port())]
-    log = settings / "lab.log"
+    own |= {"IPYTHONDIR": str(settings / "ipython")}
     _write_settings(settings / "config")
-    with log.open("wb") as stream:
-        process = subprocess.Popen(
-            command, cwd=folder, env=environment, stdout=stream, stderr=stream, start_new_session=True
-        )
-    try:
-        yield Lab(*_address(process, log), folder)
-    finally:
-        _shut_down(process, log)
+    with lab_process.running_lab(folder, settings / "lab.log", own) as running:
+        yield Lab(running.site, running.token, folder)
 
 
 def _write_settings(config: Path) -> None:
@@ -100,31 +80,6 @@ def _write_settings(config: Path) -> None:
     folder.mkdir(parents=True)
     text = '{"fetchNews": "false", "checkForUpdates": false}'
     (folder / "notification.jupyterlab-settings").write_text(text, encoding="utf-8")
-
-
-def _address(process, log: Path) -> tuple[str, str]:
-    """Wait for the line in which Jupyter prints where it listens."""
-    end = time.monotonic() + START_SECONDS
-    while time.monotonic() < end:
-        text = log.read_text(encoding="utf-8", errors="replace")
-        if found := re.search(r"(http://127\.0\.0\.1:\d+)/lab\S*\?token=(\w+)", text):
-            return found.group(1), found.group(2)
-        assert process.poll() is None, f"lab ended: {text[-2000:]}"
-        time.sleep(0.1)  # a process that starts tells nobody when
-    raise AssertionError(f"lab did not start within {START_SECONDS} s: {text[-2000:]}")
-
-
-def _shut_down(process, log: Path) -> None:
-    """Ask the server to end, which ends its kernels too; whatever does not listen is a failure."""
-    if process.poll() is not None:
-        return
-    process.send_signal(signal.SIGTERM)
-    try:
-        process.wait(30)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait(10)
-        raise AssertionError(f"lab did not shut down: {log.read_text(errors='replace')[-2000:]}") from None
 
 
 @contextlib.contextmanager

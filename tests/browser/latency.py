@@ -10,7 +10,8 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # the package, where only the checkout has it
+TESTS = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(TESTS.parent), str(TESTS / "helpers")]  # as in tests; the package, where only the checkout has it
 
 from explorers import Shown, explorers_of, lessons_with_explorers  # noqa: E402
 from lab_server import (  # noqa: E402

@@ -276,3 +276,34 @@ def test_a_single_search_is_not_taken_for_certain(capsys, log_file):
     assert "all 1 searches were needed, and the best partition may not have been found twice; see --starts" in err
     _, _, err = call(capsys, "solve", log_file, "--method", "posterior")
     assert err == ""
+
+
+def test_estimated_noise_is_used_and_told(capsys, tmp_path):
+    """A log that claims a third of its noise."""
+    short_log, _ = small_log()
+    path = tmp_path / "run.npz"
+    third = {name: getattr(short_log, name) / 3 for name in ("odometry_std", "observation_std")}
+    datasets.save_log(path, replace(short_log, **third))
+    code, out, _ = call(capsys, "solve", path, "--method", "ekf", "--estimate-noise", "--json")
+    found = json.loads(out)["estimated_noise"]
+    assert code == 0 and found["is_white"]
+    np.testing.assert_allclose(found["observation_std"], short_log.observation_std, rtol=0.25)
+    code, out, err = call(capsys, "solve", path, "--method", "ekf")
+    assert "chi2 per degree of freedom is" in err and "--estimate-noise" in err
+    _, out, err = call(capsys, "solve", path, "--method", "ekf", "--estimate-noise")
+    assert re.search(r"^estimated noise +odometry [\d. ]+, observation [\d. ]+$", out, re.M) and err == ""
+
+
+def test_estimated_noise_beside_settings_that_ignore_it_is_refused(refused, log_file):
+    said = refused("solve", log_file, "--settings", "paper", "--estimate-noise")
+    assert "--estimate-noise: expected --settings sensor" in said
+
+
+def test_covariances_without_effect_are_told(capsys, tmp_path):
+    log, _ = small_log()
+    path, cov = tmp_path / "run.npz", np.tile(0.01 * np.eye(2), (log.num_observations, 1, 1))
+    datasets.save_log(path, replace(log, observation_cov=cov))
+    _, _, err = call(capsys, "solve", path)
+    assert "np-graph assumes one noise for all: observation_cov of the log have no effect" in err
+    _, _, err = call(capsys, "solve", path, "--method", "ekf")
+    assert "have no effect" not in err

@@ -1,4 +1,4 @@
-"""What all checks share, and that every exercise of every lesson is checked as it should be."""
+"""What all checks share, and that every exercise of every lesson has a check that works."""
 
 import numpy as np
 import pytest

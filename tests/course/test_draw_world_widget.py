@@ -1,4 +1,4 @@
-"""The kernel's side of the drawing: what the page sends is answered, refused in a sentence, saved and loaded."""
+"""The kernel's side of the drawing: it answers the page, refuses bad drawings in one sentence, saves and loads."""
 
 import json
 import re
@@ -123,7 +123,7 @@ def test_a_saved_world_is_solved_on_the_command_line_with_the_same_counts(world,
 
 
 def test_a_loaded_log_is_solved_as_it_is(world, tmp_path):
-    """Also one that was not drawn: what the file measured counts, not what a new drive would measure."""
+    """Even a log that was not drawn: the measurements of the file are used, not those of a new drive."""
     log, truth = fifteen_objects(3)
     datasets.save_log(tmp_path / "room.npz", log, truth)
     world._handle_message(world, {"do": "load", "file": str(tmp_path / "room.npz")}, [])
@@ -166,7 +166,7 @@ def test_a_log_without_the_truth_cannot_be_drawn(world, tmp_path):
 
 
 def test_a_file_that_was_refused_is_not_remembered(world, tmp_path):
-    """Else the next drawing would be answered with the run of the file."""
+    """Otherwise the next drawing would be answered with the run of the file."""
     log, truth = fifteen_objects(3)
     datasets.save_log(tmp_path / "room.npz", log, truth)
     world.load(tmp_path / "room.npz")

@@ -1,4 +1,4 @@
-"""From a drawing to an answer: the path of a hand, objects that are carried, refusals, messages, files."""
+"""From a drawing to an answer: the smoothed path, objects that are carried, refusals, messages, files."""
 
 import json
 from dataclasses import replace
@@ -37,13 +37,13 @@ def through(*points, **changes):
     return drawn_fifteen(stroke=points, **changes)
 
 
-# ---- the path of a hand
+# ---- the smoothed path
 
 
 @settings(deadline=None)
 @given(st.floats(1.0, 9.0), st.floats(1.0, 7.0), st.floats(-np.pi, np.pi), st.floats(1.0, 4.0), st.integers(2, 200))
 def test_a_straight_line_stays_straight_however_many_points_it_has(x, y, angle, length, num_points):
-    """The law of the smoothing: it may move no end and bend no line."""
+    """The smoothing must not move an end or bend a straight line."""
     direction = np.array([np.cos(angle), np.sin(angle)])
     stroke = np.array([x, y]) + np.linspace(0.0, length, num_points)[:, None] * direction
     poses = drawn_path(stroke)
@@ -99,7 +99,7 @@ def test_any_line_inside_the_room_is_driven_or_refused_in_a_sentence(points):
         ({"stroke": [(3, 3), (13, 3)]}, r"^path: expected all inside the room, .*, got one at \(13\.00, 3\.00\) m$"),
         ({"stroke": [(0, 0), (12, 8)] * 8}, rf"^path: expected at most {MAX_LENGTH:g} m, got 216\.3 m"),
         ({"stroke": np.full((MAX_POINTS + 1, 2), 3.0)}, rf"^path: expected at most {MAX_POINTS} points, got 20001$"),
-        ({"stroke": [(3, 3), (3.05, 3)] * 200}, r"^path: expected a line that leads somewhere"),
+        ({"stroke": [(3, 3), (3.05, 3)] * 200}, r"^path: expected at least 0\.5 m after smoothing, got 0\.\d\d m$"),
         ({"stroke": [(3, 3), (np.nan, 3)]}, r"^stroke: expected finite numbers"),
         ({"object_xy": [(3, -1)], "object_class": [0]}, r"^objects: expected all inside the room"),
         ({"object_goal": np.full((15, 2), 99.0)}, r"^goals: expected all inside the room"),
@@ -124,7 +124,7 @@ def test_what_cannot_be_driven_is_refused_in_one_sentence(changes, sentence):
 def test_more_sightings_than_can_be_waited_for_are_refused():
     xy = np.random.default_rng(0).uniform(3.0, 5.0, (MAX_OBJECTS, 2))
     crowd = drawn_fifteen(object_xy=xy, object_class=np.zeros(MAX_OBJECTS, int), stroke=gallery.ellipse(4.0))
-    with pytest.raises(ValueError, match=r"^sightings: expected at most 5000, got about \d+; draw a shorter path"):
+    with pytest.raises(ValueError, match=r"^observations: expected at most 5000, got about \d+; draw a shorter path"):
         drawn_run(crowd)
 
 
@@ -141,7 +141,7 @@ def test_what_is_carried_nowhere_is_the_run_of_a_world_that_stands_still(small):
 
 
 def test_what_is_carried_is_seen_where_it_is_at_that_moment(small):
-    """Without noise, every sighting carried back into the world lies on the way, at its share of the time."""
+    """Without noise, every observation carried back into the world lies on its way, at its share of the time."""
     exact = replace(drawn_sensor(small), odometry_std=(0, 0, 0), observation_std=(0, 0))
     path = drawn_path(small.stroke)
     world = World([(6.0, 6.0)], [0], ("chair",))
@@ -170,7 +170,7 @@ def test_paths_of_objects_must_fit_the_poses(small):
 
 
 def test_a_log_does_not_tell_what_moved(small):
-    """Only the simulator knows: the estimator's side has the same fields, and the truth keeps the first place."""
+    """Only the simulator knows: the log has the same fields, and the truth holds the first position."""
     goal = np.array(small.object_xy)
     goal[0] += 0.5
     log, truth = drawn_run(replace(small, object_goal=goal))
@@ -211,7 +211,7 @@ def test_the_answer_is_the_librarys(solved):
 
 
 def test_the_picture_is_laid_over_the_truth(solved):
-    """Distances on the page are the distances of the words, up to the millimetres that are sent."""
+    """Distances on the page equal those in the words, up to the millimetres that are sent."""
     result = messages.answer(solved)
     true_xy = np.reshape(result["path"], (-1, 2))
     for k, each in enumerate(result["rounds"]):

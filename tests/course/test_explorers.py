@@ -1,4 +1,4 @@
-"""What all explorers share: the picture and the words follow the sliders, and no error is swallowed."""
+"""What all explorers share: the picture and the words follow the sliders, and errors are shown and raised."""
 
 import html
 import re
@@ -7,6 +7,10 @@ import pytest
 
 from npslam_teach import plotting
 from npslam_teach.course import explorers
+from npslam_teach.course.class_votes import explorer as class_votes
+from npslam_teach.course.dirichlet_process import explorer as dirichlet_process
+from npslam_teach.course.drift import explorer as drift
+from npslam_teach.course.why_association import explorer as why_association
 
 
 def line_explorer(update=None):
@@ -68,6 +72,22 @@ def test_an_error_is_shown_and_raised():
     assert "too steep &lt;for me&gt;" in explorer._picture.value
     assert explorer.move(slope=0.3) == "a line that is not too steep"
     assert "<img" in explorer._picture.value
+
+
+@pytest.mark.parametrize(
+    ("lesson", "make", "broken", "change"),
+    [
+        (why_association, "explore_wrong_association", "in_words", {"to": 0}),
+        (drift, "explore_noise", "in_words", {"noise": 2.0}),
+        (dirichlet_process, "explore_association", "decide", {"alpha": 0.7}),
+        (class_votes, "explore_triangle", "summaries_of", {"first": 1}),
+    ],
+)
+def test_an_error_in_the_explorer_of_a_lesson_reaches_the_student(lesson, make, broken, change, monkeypatch):
+    explorer = getattr(lesson, make)()
+    monkeypatch.setattr(lesson, broken, lambda *a: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        explorer.move(**change)
 
 
 def test_no_figure_is_left_open():

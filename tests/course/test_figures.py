@@ -1,4 +1,4 @@
-"""The figure files: all there, described, and the same bytes every time."""
+"""The figure files: complete, described, and the same bytes every time."""
 
 import re
 
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory):
-    """Everything, and then every fourth figure once more: two dictionaries from file name to bytes."""
+    """All figures, and every fourth figure drawn a second time: two dictionaries from file name to bytes."""
     folder = tmp_path_factory.mktemp("figures")
     assert parser.main(["figures", "--out", str(folder / "first")]) == 0
     (folder / "second").mkdir()

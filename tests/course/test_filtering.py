@@ -4,9 +4,10 @@ import re
 
 import numpy as np
 import pytest
-from exercises import checks_and_solutions
+from exercises import assert_names_the_mistake, checks_and_solutions
 from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path as Outline
+from readable import assert_readable
 from scipy.optimize import linear_sum_assignment
 from scipy.stats import chi2, norm
 
@@ -38,7 +39,7 @@ def add(mean, cov, xy, std, lever=1.0, power=2, turned=True, cross=1.0, only_pos
 
 
 def last_resort(squared, gate):
-    """Assign without the gate, then throw away what is beyond it."""
+    """Assign without the gate, then discard pairs beyond it."""
     rows, columns = linear_sum_assignment(squared)
     chosen = np.full(len(squared), -1)
     for row, column in zip(rows, columns, strict=True):
@@ -56,7 +57,7 @@ def in_turn(squared, gate):
 
 
 def clipped(squared, gate):
-    """Another right way: without columns to be left out in."""
+    """Another right answer, without extra columns for observations that are left out."""
     rows, columns = linear_sum_assignment(np.minimum(squared, gate))
     chosen = np.full(len(squared), -1)
     chosen[rows] = np.where(squared[rows, columns] < gate, columns, -1)
@@ -111,9 +112,7 @@ WRONG = [
 
 @pytest.mark.parametrize(("number", "mistake", "message"), WRONG)
 def test_usual_mistakes_are_named(number, mistake, message):
-    verdict = CHECKS[number](mistake)
-    assert not verdict.passed
-    assert message in verdict.message
+    assert_names_the_mistake(CHECKS[number], mistake, message)
 
 
 def test_other_right_ways_are_right():
@@ -143,23 +142,9 @@ def ax():
     return plotting.new_figure()[1]
 
 
-def assert_texts_fit(figure, within="figure"):
-    """All texts inside the figure, and none of an axes on another of it."""
-    figure.draw_without_rendering()
-    canvas = figure.get_window_extent()
-    for ax in figure.axes:
-        texts = [text for text in ax.texts if text.get_text()]
-        boxes = [text.get_window_extent() for text in texts]
-        for box in boxes:
-            assert box.x0 >= canvas.x0 and box.x1 <= canvas.x1 and box.y0 >= canvas.y0 and box.y1 <= canvas.y1
-        for k, box in enumerate(boxes):
-            assert not any(box.overlaps(other) for other in boxes[:k]), [text.get_text() for text in texts]
-        assert all(text.get_fontsize() >= 11 for text in texts)
-
-
 def test_figure_20_shows_two_answers():
     figure = figures.two_answers_figure()
-    assert_texts_fit(figure)
+    assert_readable(figure)
     left, right = figure.axes
     log, truth = simulate.toy_objects()
     assert {text.get_text() for text in left.texts} == {"chair A", "chair B", "Obj_5: chair B"}
@@ -201,7 +186,7 @@ def test_names_count_within_a_class():
 
 @pytest.mark.parametrize("radius", [0.5, 1.4, 3.0, 6.0])
 def test_the_gate_on_the_map_is_the_gate_of_the_filter(radius):
-    """A sighting lies inside the ellipse exactly when its Mahalanobis distance is below the radius."""
+    """An observation lies inside the ellipse exactly when its Mahalanobis distance is below the radius."""
     log, _ = simulate.toy_objects()
     step = list(filter_steps(log, labels=WITHOUT_OBJ_4))[4]
     state = step.prior_mean, step.prior_cov
@@ -272,9 +257,9 @@ def test_words_and_artists_agree_with_the_distances(explorer, size, second_gate)
         nearest = min(rivals, key=rivals.get)
         away = rivals[nearest]
         expected = nearest if away < size else "new" if away > wider else "left out"
-        told = re.search(rf"{name}: ([^;]*); ([^.;]*)\.", words)
-        assert told.group(2) == expected
-        assert f"{nearest} at {away:.2f}" in told.group(1)
+        stated = re.search(rf"{name}: ([^;]*); ([^.;]*)\.", words)
+        assert stated.group(2) == expected
+        assert f"{nearest} at {away:.2f}" in stated.group(1)
         assert f"{name}: {expected}" in [text.get_text() for text in ax.texts]
     for name in DISTANCES:
         assert words.count(name) == 1
@@ -311,7 +296,7 @@ def test_gates_grow_with_the_slider_and_stay_on_the_map(explorer):
 def test_texts_of_the_explorer_do_not_overlap(explorer):
     for size, second in ((0.5, 0.5), (1.2, 2.0), (3.0, 5.3), (6.0, 6.0)):
         explorer.move(gate=size, second_gate=second)
-        assert_texts_fit(explorer.figure)
+        assert_readable(explorer.figure)
 
 
 def test_the_explorer_works_on_a_large_scene():

@@ -1,6 +1,6 @@
-"""What nbval cannot see: that lessons were executed, read well, keep their promises of size, and run on real data.
+"""What nbval does not test: lessons are executed, readable, as short as they should be, and run on real data.
 
-nbval itself compares the committed outputs; it passes a stripped notebook and a changed picture in silence.
+nbval compares the committed outputs, but it accepts a stripped notebook and a changed picture.
 """
 
 import ast
@@ -142,7 +142,7 @@ def test_every_lesson_has_three_to_five_exercises_with_stars(notebook, path):
     assert "★" in text
 
 
-def test_blanks_are_told_so(notebook):
+def test_blanks_are_reported(notebook):
     """The committed lesson is the student's: nothing filled in, and every check says so."""
     for number, cell in by_tag(notebook, "check").items():
         assert shown(cell).startswith("Not yet: "), number
@@ -172,7 +172,7 @@ def test_solutions_live_once(notebook, path):
 
 
 def test_explorers_have_a_static_twin(notebook):
-    """Whoever reads on paper sees no slider: the words under the picture are printed beside it."""
+    """On paper there is no slider: the words under the picture are printed beside it."""
     cells = [cell for cell in code_cells(notebook) if ".explore_" in cell.source]
     assert len(cells) == 0 or any(".move(" in cell.source for cell in code_cells(notebook))
 

@@ -73,7 +73,7 @@ def test_text_is_markdown_alone(notebook):
 
 def test_pictures_are_files_of_the_repository(path, notebook):
     if not (ROOT / ".git").exists() or shutil.which("git") is None:
-        pytest.skip("this is no clone, or there is no git: what is in the repository cannot be told")
+        pytest.skip("this is no clone, or there is no git: what is in the repository is not known")
     command = ["git", "-c", f"safe.directory={ROOT}", "ls-files", "-z", "notebooks", "figures"]
     files = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\0")
     for cell in notebook.cells:

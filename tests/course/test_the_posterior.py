@@ -1,4 +1,4 @@
-"""Lesson 11: its scenes are as told, its pictures and sliders tell the truth, its checks know the usual mistakes."""
+"""Lesson 11: its scenes are as described, pictures and sliders tell the truth, checks know the usual mistakes."""
 
 import itertools
 import math
@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from exercises import checks_and_solutions
+from exercises import assert_names_the_mistake, checks_and_solutions
 from readable import assert_readable
 
 from npslam_teach import association, plotting, se2
@@ -109,9 +109,7 @@ WRONG = [
 
 @pytest.mark.parametrize(("number", "mistake", "message"), WRONG)
 def test_usual_mistakes_are_named(number, mistake, message):
-    verdict = CHECKS[number](mistake)
-    assert not verdict.passed
-    assert message in verdict.message
+    assert_names_the_mistake(CHECKS[number], mistake, message)
 
 
 def test_other_right_ways_are_right():
@@ -349,7 +347,7 @@ def test_figure_22_can_be_read():
 
 @pytest.mark.slow
 def test_probabilities_are_true_once_the_border_is_weighed_in():
-    """The method lets chairs stand outside the square; weighing partitions by the share inside it mends what is off."""
+    """The method lets chairs stand outside the square; weighing partitions by the share inside corrects this."""
     rng, noise = np.random.default_rng(11), np.random.default_rng(12).normal(size=(200, 12))
     plain, weighed = [], []
     for world in range(300):

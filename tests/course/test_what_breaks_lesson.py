@@ -4,8 +4,8 @@ import re
 
 import numpy as np
 import pytest
-from exercises import checks_and_solutions
-from matplotlib.backends.backend_agg import FigureCanvasAgg
+from exercises import assert_names_the_mistake, checks_and_solutions
+from readable import assert_readable
 
 from npslam_teach import evaluation, plotting, se2, simulate
 from npslam_teach.association import PAPER_ALPHA, PAPER_KERNEL_STD, association_probabilities, decide
@@ -78,9 +78,7 @@ WRONG = [
 
 @pytest.mark.parametrize(("number", "mistake", "message"), WRONG)
 def test_usual_mistakes_are_named(number, mistake, message):
-    verdict = CHECKS[number](mistake)
-    assert not verdict.passed
-    assert message in verdict.message
+    assert_names_the_mistake(CHECKS[number], mistake, message)
 
 
 def test_other_right_ways_are_right():
@@ -126,26 +124,6 @@ def ax():
     return plotting.new_figure(size=(9, 5))[1]
 
 
-def tick_labels(axis):
-    """Those that are drawn: a tick beyond the ends of its axis is not."""
-    low, high = sorted(axis.get_view_interval())
-    return [tick.label1 for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high]
-
-
-def texts_inside(figure):
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    renderer, box = canvas.get_renderer(), figure.bbox
-    for ax in figure.axes:
-        ticks = tick_labels(ax.xaxis) + tick_labels(ax.yaxis)
-        for text in [*ax.texts, ax.title, ax.xaxis.label, ax.yaxis.label, *ticks]:
-            if text.get_text() and text.get_visible():
-                extent = text.get_window_extent(renderer)
-                assert extent.x0 >= box.x0 - 1 and extent.x1 <= box.x1 + 1, text.get_text()
-                assert extent.y0 >= box.y0 - 1 and extent.y1 <= box.y1 + 1, text.get_text()
-                assert text.get_fontsize() >= 11
-
-
 def test_shares_are_counts_of_rows():
     rows = [row for row in table.load() if row["case"] == "np-graph" and row["noise"] == 2.0]
     right = [row["objects"] == 15 and row["ari"] >= 0.99 for row in sorted(rows, key=lambda row: row["seed"])]
@@ -182,7 +160,7 @@ def test_success_has_a_curve_and_a_band_for_each(ax):
             own = edges[edges[:, 0] == noise, 1]
             assert own.min() == pytest.approx(low) and own.max() == pytest.approx(high)
     assert [text.get_text() for text in ax.get_legend().get_texts()] == list(cases)
-    texts_inside(ax.figure)
+    assert_readable(ax.figure)
 
 
 @pytest.mark.parametrize("setting", ["alpha", "threshold", "kernel_std"])
@@ -195,7 +173,7 @@ def test_a_setting_has_a_curve_a_noise_and_its_intervals(ax, setting):
         np.testing.assert_allclose(points.get_ydata(), [right / runs for right, runs, *_ in shares])
         np.testing.assert_allclose([bar[:, 1] for bar in bars.get_segments()], [each[2:] for each in shares])
     assert len({container[0].get_color() for container in ax.containers}) == len(noises)
-    texts_inside(ax.figure)
+    assert_readable(ax.figure)
 
 
 def test_the_table_of_shares_says_what_the_table_says():
@@ -207,7 +185,7 @@ def test_the_table_of_shares_says_what_the_table_says():
         right, runs, low, high = table.share_of(list(pictures.CAUSES.values())[row], (1.0, 4.0)[column])
         assert text.get_text() == f"{right} of {runs}\n{100 * low:.0f} to {100 * high:.0f} %"
     assert [label.get_text() for label in ax.get_yticklabels()] == list(pictures.CAUSES)
-    texts_inside(figure)
+    assert_readable(figure)
 
 
 def test_figure_21_shows_passes_at_three_noises_and_one_kernel():
@@ -223,7 +201,7 @@ def test_figure_21_shows_passes_at_three_noises_and_one_kernel():
         low, high = ax.get_xlim()
         assert all(low < x < high for line in ax.lines for x in line.get_xdata())
     assert spans[0] < spans[1] < spans[2] and spans[0] > 2 * PAPER_KERNEL_STD
-    texts_inside(figure)
+    assert_readable(figure)
     (entry,) = figures.FIGURES
     assert entry.name.startswith("fig21_") and len(entry.alt) > 60
 
@@ -275,7 +253,7 @@ def test_pairs_are_all_drawn(ax, room):
     others, same = ax.lines[:2]
     assert len(same.get_xdata()) == pairs.same.sum() and len(others.get_xdata()) == (~pairs.same).sum()
     assert set(ax.lines[2].get_xdata()) == {0.9} and set(ax.lines[3].get_ydata()) == {3.0}
-    texts_inside(ax.figure)
+    assert_readable(ax.figure)
 
 
 # --- the explorer ----------------------------------------------------------------------------------------------------
@@ -309,7 +287,7 @@ def test_words_and_artists_agree_with_the_table_and_the_run(explorer, noise, wid
     np.testing.assert_allclose(axes.lines[-1].get_ydata(), [right / runs])
     shown = [container for container in axes.containers if container[0].get_visible()]
     assert [container.get_label() for container in shown] == [f"noise {noise:g}"]
-    texts_inside(explorer.figure)
+    assert_readable(explorer.figure)
 
 
 def test_the_results_are_the_methods(explorer):

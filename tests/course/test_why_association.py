@@ -6,9 +6,10 @@ import re
 
 import numpy as np
 import pytest
-from exercises import checks_and_solutions
+from exercises import assert_names_the_mistake, checks_and_solutions
 from matplotlib.patches import Rectangle
 from partitions import partitions
+from readable import assert_readable
 
 from npslam_teach import plotting, simulate
 from npslam_teach.course.why_association import checks, figures, pictures
@@ -53,7 +54,7 @@ WRONG = [
     (2, lambda xy, c, r: np.arange(len(xy)), "nothing joins"),
     (2, first_within_reach, "not the nearest"),
     (2, lambda xy, c, r: checks._nearest_index(xy, c, r), "place in the list"),
-    (2, lambda xy, c, r: checks.join(xy, c, r, founders=True), "first of an object only"),
+    (2, lambda xy, c, r: checks.join(xy, c, r, firsts=True), "first of an object only"),
     (2, lambda xy, c, r: c, "everything joins"),
     (2, lambda xy, c, r: np.arange(len(xy)) // 2, "you find 13 objects, not 20"),
     (3, lambda n: 2 ** (n - 1), "where a row can be cut"),
@@ -77,9 +78,7 @@ WRONG = [
 
 @pytest.mark.parametrize(("number", "mistake", "message"), WRONG)
 def test_usual_mistakes_are_named(number, mistake, message):
-    verdict = CHECKS[number](mistake)
-    assert not verdict.passed
-    assert message in verdict.message
+    assert_names_the_mistake(CHECKS[number], mistake, message)
 
 
 def test_labels_may_have_any_names():
@@ -92,23 +91,6 @@ def test_bell_numbers_count_partitions():
 
 
 # --- figures ---------------------------------------------------------------------------------------------------------
-
-
-def texts_of(figure):
-    texts = [text for ax in figure.axes for text in [ax.title, ax.xaxis.label, ax.yaxis.label, *ax.texts]]
-    legends = [*figure.legends, *(ax.get_legend() for ax in figure.axes if ax.get_legend())]
-    texts += [text for legend in legends for text in legend.get_texts()]
-    return [text for text in texts if text.get_visible() and text.get_text().strip()]
-
-
-def assert_readable(figure):
-    texts = texts_of(figure)
-    for text in texts:
-        box = text.get_window_extent()
-        assert box.x0 >= 0 and box.y0 >= 0 and box.x1 <= figure.bbox.x1 and box.y1 <= figure.bbox.y1, text
-        assert text.get_fontsize() >= 11
-    for a, b in itertools.combinations(texts, 2):
-        assert not a.get_window_extent().overlaps(b.get_window_extent()), (a, b)
 
 
 @pytest.mark.parametrize("entry", figures.FIGURES, ids=lambda entry: entry.name)
@@ -206,10 +188,3 @@ def test_the_drop_downs_move_the_picture():
     assert explorer._picture.value != before
     explorer.move(to=1)
     assert explorer._picture.value == before
-
-
-def test_an_error_in_the_explorer_is_not_swallowed(monkeypatch):
-    fresh = why_association_explorer.explore_wrong_association()
-    monkeypatch.setattr(why_association_explorer, "in_words", lambda *a: 1 / 0)
-    with pytest.raises(ZeroDivisionError):
-        fresh.move(to=0)

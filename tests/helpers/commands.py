@@ -27,10 +27,23 @@ SOLVE_FIELDS = {
     "quality",
     "restarts",
     "score",
+    "chi2_per_dof",
+    "dof",
     "settings",
     "settled",
 }
-ONLY_SOLVE = {"labels", "poses", "objects", "quality", "restarts", "score", "settings", "settled"}
+ONLY_SOLVE = {
+    "labels",
+    "poses",
+    "objects",
+    "quality",
+    "restarts",
+    "score",
+    "chi2_per_dof",
+    "dof",
+    "settings",
+    "settled",
+}
 
 
 def run(*arguments, cwd=None):

@@ -66,11 +66,18 @@ def solved_names(lesson: str) -> dict:
 
 
 def assert_accepts_the_solution_and_no_blank(check: Callable, solution: Callable) -> None:
-    """The solution passes; every kind of blank is told that it is one."""
+    """The solution passes; every kind of blank is reported as blank."""
     assert check(solution).passed
     for blank in (..., None, lambda *a: ..., lambda *a: None):
         verdict = check(blank)
         assert not verdict.passed and verdict.message == BLANK
+
+
+def assert_names_the_mistake(check: Callable, answer, message: str) -> None:
+    """The answer does not pass, and the verdict holds these words."""
+    verdict = check(answer)
+    assert not verdict.passed
+    assert message in verdict.message
 
 
 def assert_no_answer_breaks(check: Callable, answer) -> None:

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from npslam_teach import datasets, evaluation, se2, simulate
-from npslam_teach.association import all_partitions, same_partition
+from npslam_teach.association import all_partitions, in_order_of_sight, same_partition
 from npslam_teach.association.partition_posterior import log_posterior
 from npslam_teach.evaluation.clustering import compare_partitions, singletons_for_unassigned
 from npslam_teach.evaluation.convergence import effective_sample_size, r_hat
 from npslam_teach.methods import posterior, sample_posterior
-from npslam_teach.methods.posterior import best_state, in_time, start_model
+from npslam_teach.methods.posterior import in_time, start_model
+from npslam_teach.methods.posterior_samples import whole_tracklets
 from npslam_teach.pose_graph import fit
 from npslam_teach.pose_graph.reduced_system import reduced_system
 from npslam_teach.types import RobotLog, Snapshot
@@ -160,25 +161,24 @@ def test_samples_say_how_sure_it_is():
 
 
 @pytest.mark.slow
-def test_frequencies_of_a_small_log_are_the_exact_posterior():
-    """All partitions of up to six observations enumerated in the same linear model."""
-    for seed in range(100, 104):
-        log = small_room(seed)
-        if log.num_observations > 6:
-            continue
-        samples = sample_posterior(log, 800)
-        model, state = best_state(in_time(log)[0], 1.0, None, 6, 0)
-        evidence = model.evidence(reduced_system(state.graph))
-        exact = {tuple(each): log_posterior(evidence, np.array(each)) for each in all_partitions(log.obs_class)}
-        top = max(exact.values())
-        total = sum(np.exp(value - top) for value in exact.values())
-        often = {}
-        for each in samples.partitions.reshape(-1, log.num_observations):
-            first = {}
-            key = tuple(first.setdefault(label, len(first)) for label in each.tolist())
-            often[key] = often.get(key, 0) + 1 / 800
-        distance = sum(abs(often.get(key, 0) - np.exp(v - top) / total) for key, v in exact.items()) / 2
-        assert distance < 0.08, (seed, distance)
+@pytest.mark.parametrize("seed", range(100, 105))
+def test_frequencies_of_a_small_log_are_the_exact_posterior(seed):
+    """All partitions of up to seven observations enumerated in the same linear model."""
+    log = small_room(seed)
+    found, (ordered, back) = last_of(log), in_time(log)
+    samples = sample_posterior(log, 2000, found=found)
+    model, state = whole_tracklets(ordered, found.labels[np.argsort(back)], found, 1.0, None)
+    evidence = model.evidence(reduced_system(state.graph))
+    exact = {tuple(each): log_posterior(evidence, np.array(each)) for each in all_partitions(log.obs_class)}
+    share = np.exp(np.array(list(exact.values())) - max(exact.values()))
+    exact = dict(zip(exact, share / share.sum(), strict=True))
+    often = dict.fromkeys(exact, 0.0)
+    for each in samples.partitions.reshape(-1, log.num_observations):
+        often[tuple(in_order_of_sight(each).tolist())] += 1 / samples.log_posterior.size
+    distance = sum(abs(often[each] - exact[each]) for each in exact) / 2
+    worth = effective_sample_size(samples.log_posterior)
+    chance = sum(np.sqrt(each * (1 - each) / (2 * np.pi * worth)) for each in exact.values())  # expected, of so many
+    assert distance <= 0.02 + 2 * chance, (distance, chance)
 
 
 def test_wrong_settings_are_named():

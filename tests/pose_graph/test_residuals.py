@@ -35,7 +35,7 @@ def test_between_residual_is_zero_for_the_true_step(poses):
     np.testing.assert_allclose(pose_graph.between_residual(pose_i, pose_j, se2.between(pose_i, pose_j)), 0, atol=1e-12)
 
 
-def test_observation_residual_is_zero_for_the_true_sighting(poses):
+def test_observation_residual_is_zero_for_the_true_observation(poses):
     pose, other = poses
     landmark = other[:, :2]
     measured = se2.apply_inverse(pose, landmark)
@@ -52,25 +52,15 @@ def test_the_angle_of_a_residual_is_wrapped():
     assert residual[2] == pytest.approx(np.deg2rad(-2.0))
 
 
-def test_between_jacobians(poses):
-    pose_i, pose_j = poses
-    measured = np.random.default_rng(4).normal(size=pose_i.shape)
-    jacobian_i, jacobian_j = pose_graph.between_jacobians(pose_i, pose_j)
-    numeric_i = central_differences(lambda p: pose_graph.between_residual(p, pose_j, measured), pose_i)
-    numeric_j = central_differences(lambda p: pose_graph.between_residual(pose_i, p, measured), pose_j)
-    np.testing.assert_allclose(jacobian_i, numeric_i, atol=1e-7)
-    np.testing.assert_allclose(jacobian_j, numeric_j, atol=1e-7)
-
-
-def test_observation_jacobians(poses):
-    pose, other = poses
-    landmark = other[:, :2]
-    measured = np.zeros_like(landmark)
-    jacobian_pose, jacobian_landmark = pose_graph.observation_jacobians(pose, landmark)
-    numeric_pose = central_differences(lambda p: pose_graph.observation_residual(p, landmark, measured), pose)
-    numeric_landmark = central_differences(lambda p: pose_graph.observation_residual(pose, p, measured), landmark)
-    np.testing.assert_allclose(jacobian_pose, numeric_pose, atol=1e-7)
-    np.testing.assert_allclose(jacobian_landmark, numeric_landmark, atol=1e-7)
+@pytest.mark.parametrize(("kind", "size"), [("between", 3), ("observation", 2)])
+def test_jacobians_are_the_derivatives_of_the_residual(kind, size, poses):
+    residual, jacobians = getattr(pose_graph, f"{kind}_residual"), getattr(pose_graph, f"{kind}_jacobians")
+    pose, other = poses[0], poses[1][:, :size]
+    measured = np.random.default_rng(4).normal(size=other.shape)
+    by_pose, by_other = jacobians(pose, other)
+    numeric = central_differences(lambda p: residual(p, other, measured), pose)
+    np.testing.assert_allclose(by_pose, numeric, atol=1e-7)
+    np.testing.assert_allclose(by_other, central_differences(lambda p: residual(pose, p, measured), other), atol=1e-7)
 
 
 def test_residuals_do_not_change_when_the_world_is_moved(poses):

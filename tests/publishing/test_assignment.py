@@ -1,6 +1,6 @@
 """Assignments are made from the lessons alone, nbgrader accepts them, and marks what the checks say.
 
-nbgrader is for instructors and not in environment.txt: ``pip install -r tests/requirements-classroom.txt``. Grading
+nbgrader is for instructors, and not in environment.txt: ``pip install -r tests/requirements-classroom.txt``. Grading
 runs whole lessons, so one is graded here; ``NPSLAM_TEACH_GRADE=01,02,03,04,05,06,07,08,09`` grades those instead.
 """
 
@@ -64,7 +64,7 @@ def test_the_source_is_the_lesson_with_its_solutions(source):
 
 
 def test_points_are_stars(source):
-    """Counted in the lesson by other means than the module's: every exercise has as many points as stars."""
+    """Every exercise has as many points as stars, counted here independently of the module."""
     points = [cell.metadata["nbgrader"]["points"] for cell in graded(source, "grade").values()]
     text = "\n".join(cell.source for cell in source.cells)
     for number, stars in enumerate(points, start=1):
@@ -259,7 +259,7 @@ def test_nbgrader_accepts_the_metadata_of_every_lesson(source):
             assert cell.metadata.get("nbgrader", {}).get("schema_version", 3) == nbgraderformat.SCHEMA_VERSION
 
 
-# A typical mistake in the last exercise: what the solution has, what the student has, and what the check says to it.
+# A typical mistake in the last exercise: the line of the solution, that of the student, and the check's message.
 TYPICAL = {
     "02": (
         "R @ np.diag(np.square(observation_std)) @ R.T",
@@ -270,7 +270,7 @@ TYPICAL = {
 
 
 def answered(source, lesson, who):
-    """A student's copy, handed in: "solved"; "blank"; or "partly": the last is wrong, the one before it left out."""
+    """A student's submission: "solved"; "blank"; or "partly": the last is wrong, the one before it left out."""
     handed_in = assignments.student_version(source)
     exercises, solved = graded(handed_in, "solution"), graded(source, "solution")
     *others, left_out, last = exercises
@@ -353,13 +353,14 @@ def test_a_blank_copy_has_none(course):
 
 def test_a_partly_wrong_copy_is_told_by_the_check_what_is_wrong(course):
     folder, lesson, name = course
-    got, told = marks(course, "partly"), errors(handed_back(course, "partly"))
+    got, messages = marks(course, "partly"), errors(handed_back(course, "partly"))
     *others, left_out, last = sorted(got)
     assert [got[grade_id][0] for grade_id in (left_out, last)] == [0, 0]
     assert others and all(got[grade_id][0] == got[grade_id][1] > 0 for grade_id in others)
-    assert set(told) == {left_out, last}
-    assert told[left_out] == f"Not yet: {checking.BLANK}."
-    *_, expected = TYPICAL.get(lesson, (told[last],))
-    assert told[last] == expected and told[last].startswith("Not yet: ") and checking.BLANK not in told[last]
+    assert set(messages) == {left_out, last}
+    assert messages[left_out] == f"Not yet: {checking.BLANK}."
+    *_, expected = TYPICAL.get(lesson, (messages[last],))
+    assert messages[last] == expected and messages[last].startswith("Not yet: ")
+    assert checking.BLANK not in messages[last]
     feedback = (folder / "feedback" / "partly" / lesson / f"{Path(name).stem}.html").read_text(encoding="utf-8")
-    assert told[last] in html.unescape(feedback)
+    assert messages[last] in html.unescape(feedback)

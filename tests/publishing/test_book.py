@@ -1,4 +1,4 @@
-"""The book: everything that the lessons show is in it, and nothing outside of it is needed."""
+"""The book: it holds everything that the lessons show, and needs nothing outside of it."""
 
 import base64
 import html.parser
@@ -34,7 +34,7 @@ class Element:
 
 @dataclass
 class Page(html.parser.HTMLParser):
-    """The elements of a page in their order; the text of each includes that of what is inside."""
+    """The elements of a page in their order; the text of each includes that of the elements inside."""
 
     source: str
     elements: list = field(default_factory=list)
@@ -207,7 +207,7 @@ def test_a_formula_that_cannot_be_set_is_named(formula):
 
 @pytest.fixture
 def folder(tmp_path):
-    """A course of one short lesson, to be spoilt."""
+    """A course of one short lesson, which tests may damage."""
     (tmp_path / "notebooks").mkdir()
     (tmp_path / "cup.png").write_bytes(b"\x89PNG")
     return tmp_path / "notebooks"

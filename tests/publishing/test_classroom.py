@@ -46,7 +46,7 @@ def test_the_image_installs_the_environment_and_the_package():
 
 
 def test_repo2docker_honours_both_files():
-    """What it would build; building needs a Docker engine."""
+    """The image that it would build; building needs a Docker engine."""
     pytest.importorskip("repo2docker", reason="not installed: pip install -r tests/requirements-classroom.txt")
     runtime = (ROOT / ".binder" / "runtime.txt").read_text(encoding="utf-8").strip().removeprefix("python-")
     options = ["--no-build", "--debug", "--user-id=1000", "--user-name=student", str(ROOT)]
@@ -69,7 +69,7 @@ def upstream(tmp_path):
 
 
 def git(folder, *arguments, check=True):
-    """What git prints; settings of the user's own play no part."""
+    """The output of git, independent of the user's settings."""
     who = {f"GIT_{role}_{key}": "a@b.c" for role in ("AUTHOR", "COMMITTER") for key in ("NAME", "EMAIL")}
     own = {"GIT_CONFIG_GLOBAL": os.devnull, "GIT_CONFIG_NOSYSTEM": "1"}
     command = ["git", "-c", "core.autocrlf=false", *arguments]
@@ -95,7 +95,7 @@ def run_in_place(folder, lesson):
 
 
 def without_results(path):
-    """All of a notebook that its author wrote."""
+    """A notebook without outputs and execution counts."""
     notebook = nbformat.read(path, as_version=4)
     return [(cell.id, cell.cell_type, cell.source, cell.metadata.get("tags", [])) for cell in notebook.cells]
 

@@ -1,4 +1,4 @@
-"""How lessons begin: a badge that leads to Colab, and a cell that gets the course where it is missing."""
+"""How lessons begin: a badge that leads to Colab, and a cell that installs the course where it is missing."""
 
 import ast
 import asyncio
@@ -121,7 +121,7 @@ def test_the_cell_does_nothing_where_the_course_is(address, monkeypatch):
 
 @pytest.fixture
 def missing(monkeypatch):
-    """The course as it is not installed; ``piplite`` as asked."""
+    """As if the course were not installed, with or without ``piplite``."""
     found = importlib.util.find_spec
 
     def hide(with_piplite):

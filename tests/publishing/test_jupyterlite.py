@@ -32,7 +32,7 @@ PACKAGE = ROOT / "npslam_teach"
 PYODIDE = json.loads((Path(__file__).parents[1] / "pyodide.json").read_text(encoding="utf-8"))
 # Commands that make or serve files on a person's own machine; no lesson imports them.
 AT_HOME = ("__main__.py", "cli", "publishing", "system", "datasets/download.py")
-# What Python in a browser has in name at most.
+# Modules that Python in a browser lacks, or that do not work there.
 NOT_IN_A_BROWSER = {"multiprocessing", "subprocess", "threading", "socket", "fcntl", "msvcrt", "ctypes", "venv"}
 
 
@@ -44,7 +44,7 @@ def at_home(path):
 
 @pytest.fixture(scope="session")
 def ready():
-    """Skips where the packages of a site are not installed."""
+    """Skip where the packages that build a site are not installed."""
     try:
         jupyterlite.require_packages(ROOT / "pyproject.toml")
     except ValueError as error:
@@ -90,7 +90,7 @@ def test_building_a_wheel_leaves_nothing_in_the_course(wheel):
 
 
 def needed():
-    """Everything that the wheel depends on in a browser, directly or not: name, and bounds of whoever asks."""
+    """Every package that the wheel depends on in a browser, directly or not: name, and bounds on the version."""
     environment = {"sys_platform": "emscripten", "platform_system": "Emscripten", "python_version": "3.14", "extra": ""}
     project = jupyterlite.tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     to_do, found = list(map(Requirement, project["dependencies"])), []
@@ -141,7 +141,7 @@ def test_the_extract_is_what_the_lock_says(pyodide_folder):
 
 
 def imports(source):
-    """First words of what Python code imports."""
+    """The top-level packages that Python code imports."""
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
             yield from (alias.name.split(".")[0] for alias in node.names)
@@ -161,8 +161,8 @@ def test_lessons_and_what_they_import_need_no_more_than_a_browser_has():
     assert not found & NOT_IN_A_BROWSER
     modules_of = {"pillow": ["PIL"], "matplotlib": ["matplotlib", "mpl_toolkits"], "ipython": ["IPython"]}
     offered = {module for each in needed() for module in modules_of.get(each.name, [each.name])}
-    # Notebooks are read and written with nbformat, at home; qdldl is used where it is installed, and nowhere needed;
-    # rosbags reads what a robot recorded, which no lesson does.
+    # Only the command line reads and writes notebooks (nbformat) and reads recordings of robots (rosbags); qdldl is
+    # used where it is installed, and needed nowhere.
     assert found - set(sys.stdlib_module_names) - {"npslam_teach", "nbformat", "qdldl", "rosbags"} <= offered
     for path in lessons.lesson_paths(ROOT / "notebooks"):
         text = "\n".join(cell.source for cell in lessons.read(path).cells if cell.cell_type == "code")
@@ -201,7 +201,7 @@ def test_the_site_has_the_kernel_and_the_sliders_and_no_other_extension(site):
 
 @pytest.fixture
 def quick(ready, monkeypatch):
-    """A build whose longest step writes one file instead."""
+    """Replace the longest step of a build by one that writes a single file."""
 
     def write(source, site):
         site.mkdir()

@@ -94,6 +94,8 @@ def test_the_log_holds_no_identity():
         "odometry_std",
         "observation_std",
         "class_names",
+        "odometry_cov",
+        "observation_cov",
     }
     same_frame = np.diff(log.obs_time) == 0
     falls = np.diff(truth.obs_object)[same_frame] < 0

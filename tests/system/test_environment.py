@@ -1,4 +1,4 @@
-"""The environment of `python3 -m npslam_teach`: found, made, repaired, never half-used. Runs offline."""
+"""The environment of `python3 -m npslam_teach`: found, made, repaired, never used incomplete. Runs offline."""
 
 import ast
 import json
@@ -31,7 +31,7 @@ def course(tmp_path):
 
 
 class Pip:
-    """Stands in for all that would run in the new interpreter; notes what it was asked and saw."""
+    """Stands in for everything that would run in the new interpreter; records its calls and what it saw."""
 
     def __init__(self, monkeypatch, course):
         self.calls, self.stamps_seen, self.exit_code = [], [], 0
@@ -56,7 +56,7 @@ def pip(monkeypatch, course):
 
 
 def enter(course, capfd, monkeypatch, arguments=("solve",)):
-    """Call enter_environment; return its exit code, what it started over with and what it said."""
+    """Call enter_environment; return its exit code, the command that it started over with, and its messages."""
     started = []
     monkeypatch.setattr(interpreter, "start_over", lambda python, rest, root: started.append((python, rest)))
     try:
@@ -99,7 +99,7 @@ def test_it_starts_over_without_the_packages_of_others(course, pip, capfd, monke
 
 
 def test_packages_that_only_pythonpath_has_are_used(course, pip, capfd, monkeypatch, tmp_path):
-    """As on a cluster whose modules hand out NumPy."""
+    """As on a cluster whose modules provide NumPy."""
     metadata = tmp_path / "modules" / "cluster_numpy-2.0.dist-info"
     metadata.mkdir(parents=True)
     (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: cluster-numpy\nVersion: 2.0\n")
@@ -465,7 +465,7 @@ def test_the_one_that_waited_finds_the_work_done(course, pip):
 
 @pytest.fixture
 def copy(tmp_path):
-    """A course in a folder with an awkward name, whose command line tells where it runs."""
+    """A course in a folder with an awkward name, whose command line prints where it runs."""
     root = tmp_path / "a course, été"
     for folder in ("system", "cli"):
         (root / "npslam_teach" / folder).mkdir(parents=True)
@@ -488,7 +488,7 @@ def run(command, folder, **more):
 
 
 def call(root, *arguments):
-    # -S hides site-packages, like a bare machine: packaging is not to be had.
+    # -S hides site-packages, as on a bare machine: packaging cannot be imported.
     return run([sys.executable, "-S", "-m", "npslam_teach", *arguments], root)
 
 
@@ -511,7 +511,7 @@ def test_from_a_bare_machine_to_an_exit_code(copy):
         str(copy / "npslam_teach" / "cli" / "parser.py"),
     ]
 
-    # The packages of another program, as a terminal of ROS has them, are not for us.
+    # The packages of another program, as in a terminal of ROS, must not be used.
     foreign = copy.with_name("foreign")
     foreign.mkdir()
     (foreign / "ros_messages.py").touch()
@@ -556,7 +556,7 @@ def test_another_place_in_the_configuration_of_pip_is_overruled(copy, tmp_path):
 
 
 class Child:
-    """A process during which the user presses Ctrl-C, and which answers it in its own way."""
+    """A process during which the user presses Ctrl-C, and which handles it in its own way."""
 
     waits = 0
 

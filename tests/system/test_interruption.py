@@ -26,8 +26,8 @@ pytestmark = [
     pytest.mark.skipif(os.name == "nt", reason="Windows has no way to send Ctrl-C to one process alone"),
 ]
 
-# The command line as a process, from the moment on from which it answers Ctrl-C itself. Only the search for an
-# environment is left out: it could begin to install one.
+# The command line as a process, from the moment when it handles Ctrl-C itself. Only the search for an environment is
+# left out: it could begin to install one.
 COMMAND = """
 import os, sys
 from npslam_teach.system import interpreter, interruption
@@ -43,7 +43,7 @@ OLD = '{"old": true}'
 
 @contextlib.contextmanager
 def started(code, arguments=(), folder=None):
-    """A Python process that has said that it is ready."""
+    """A Python process that has reported that it is ready."""
     command = [sys.executable, "-c", code, *map(str, arguments)]
     pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     with subprocess.Popen(command, cwd=folder, **pipes) as process:
@@ -64,7 +64,7 @@ def interrupted(arguments, wait, folder, before="", signal_number=signal.SIGINT)
 
 
 def assert_answered(code, err):
-    """130 and one line, or 0 and silence; a progress bar rewrites its line and may precede."""
+    """Exit code 130 and one line, or 0 and no output; a progress bar may come before it, on the same line."""
     lines = [line.rsplit("\r", 1)[-1] for line in err.split("\n")]
     lines = [line for line in lines if line.strip() and not line.startswith("Downloading data from")]
     if code == 0:
@@ -75,7 +75,7 @@ def assert_answered(code, err):
 
 
 def assert_whole(path):
-    """Whether a file can be read to its end."""
+    """The file can be read completely."""
     if path.suffix == ".json":
         assert json.loads(path.read_text(encoding="utf-8"))
     elif path.suffix == ".g2o":
@@ -178,7 +178,7 @@ class Slowly(http.server.BaseHTTPRequestHandler):
         self.send_response(200)
         self.send_header("Content-Length", str(len(CONTENTS)))
         self.end_headers()
-        with contextlib.suppress(OSError):  # whoever is interrupted hangs up
+        with contextlib.suppress(OSError):  # the interrupted client closes the connection
             for start in range(0, len(CONTENTS), 2_500):
                 self.wfile.write(CONTENTS[start : start + 2_500])
                 time.sleep(0.005)
@@ -274,7 +274,7 @@ with interruption.critical_section():
 
 @pytest.mark.parametrize("busy", ["pass", "importlib.reload(json.decoder)", "Loud()"])
 def test_ctrl_c_where_python_would_print_a_traceback(busy):
-    """In a loop, in an import, in a destructor, where it would even be swallowed."""
+    """In a loop, in an import, and in a destructor, where Python would swallow it."""
     code = f"""
 import importlib, json, os
 from npslam_teach.system import interruption
@@ -303,7 +303,7 @@ def test_ctrl_c_after_the_end_changes_nothing(tmp_path):
 
 
 def test_a_notebook_survives_ctrl_c(tmp_path):
-    """Only the process of the command line ends at once; whoever calls ``parser.main`` keeps Python's own answer."""
+    """Only the process of the command line ends at once; code that calls ``parser.main`` gets Python's exception."""
     log, truth = small_run(np.random.default_rng(0))
     datasets.save_log(tmp_path / "run.npz", log, truth)
     before = signal.getsignal(signal.SIGINT)

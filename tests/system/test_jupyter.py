@@ -1,50 +1,26 @@
-"""``lab`` on machines where somebody has other ideas: foreign kernels, folders, settings and backends."""
+"""``lab`` on machines with other set-ups: foreign kernels, folders, settings and backends."""
 
-import contextlib
 import json
 import os
-import re
 import shutil
-import socket
 import subprocess
 import sys
-import time
 import urllib.error
 import urllib.request
 from pathlib import Path
 
 import psutil
 import pytest
+from lab_process import running_lab
 
 from npslam_teach.system import jupyter
 
 ROOT = Path(__file__).parents[2]
 
 
-@contextlib.contextmanager
-def running_lab(folder, runtime, **more):
-    """JupyterLab as our command starts it, on a free port; its process, and its address with the token."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    command = [sys.executable, "-m", "npslam_teach", "lab", "--no-browser", "--port", str(port)]
-    environment = os.environ | {"PYTHONPATH": str(folder), "JUPYTER_RUNTIME_DIR": str(runtime)} | more
-    with (runtime / "lab.log").open("w") as log:
-        lab = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, stdin=subprocess.DEVNULL, env=environment)
-    try:
-        yield lab, _address(lab, runtime / "lab.log", port)
-    finally:
-        lab.terminate()
-        assert lab.wait(timeout=120) is not None
-
-
-def _address(lab, log, port):
-    deadline = time.monotonic() + 120
-    while time.monotonic() < deadline and lab.poll() is None:
-        if found := re.search(rf"http://127\.0\.0\.1:{port}/\S*token=[0-9a-f]+", log.read_text()):
-            return found.group()
-        time.sleep(0.2)
-    pytest.fail(f"JupyterLab did not start: {log.read_text()}")
+def lab_at(course, folder, **environment):
+    """JupyterLab on a course, with its runtime files and its log in a folder."""
+    return running_lab(course, folder / "lab.log", {"JUPYTER_RUNTIME_DIR": str(folder)} | environment)
 
 
 def status(address):
@@ -57,9 +33,8 @@ def status(address):
 
 @pytest.mark.slow
 def test_lab_serves_the_course_to_whoever_has_the_token(tmp_path):
-    with running_lab(ROOT, tmp_path) as (_, address):
+    with lab_at(ROOT, tmp_path) as (_, site, token, address):
         assert "/lab/tree/notebooks/00_start_here.ipynb?token=" in address
-        site, token = re.match(r"(http://[^/]+)/.*token=(\w+)", address).groups()
         assert status(address) == 200
         assert status(f"{site}/api/contents/notebooks/00_start_here.ipynb?content=0&token={token}") == 200
         assert status(f"{site}/files/figures/fig16_simulation_iterations.png?token={token}") == 200
@@ -97,8 +72,7 @@ def test_lab_starts_our_kernel_beside_foreign_ones_in_a_folder_of_an_awkward_nam
         "JUPYTER_PREFER_ENV_PATH": "0",
         "MPLBACKEND": "there-is-no-such-backend",
     }
-    with running_lab(course, tmp_path, **settings) as (lab, address):
-        site, token = re.match(r"(http://[^/]+)/.*token=(\w+)", address).groups()
+    with lab_at(course, tmp_path, **settings) as (lab, site, token, _):
         assert status(f"{site}/api/contents/notebooks/00_start_here.ipynb?content=0&token={token}") == 200
         start = urllib.request.Request(
             f"{site}/api/kernels?token={token}",
@@ -129,8 +103,8 @@ def test_lab_starts_where_the_home_cannot_be_written(tmp_path):
         done.stderr.startswith("npslam_teach: the home folder cannot be written to; ") and done.stderr.count("\n") == 1
     )
     more = {name: f"/dev/null/{name}" for name in jupyter.WRITTEN} | {"HOME": "/dev/null", "TMPDIR": str(tmp_path)}
-    with running_lab(ROOT, tmp_path, **more) as (_, address):
-        assert status(address) == 200
+    with lab_at(ROOT, tmp_path, **more) as lab:
+        assert status(lab.address) == 200
 
 
 def test_a_home_that_can_be_written_is_left_as_it_was(tmp_path, monkeypatch, capsys):

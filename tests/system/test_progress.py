@@ -1,4 +1,4 @@
-"""Progress bars: one, on a terminal, for those who ask; otherwise not a byte."""
+"""Progress bars: one, on a terminal, where it is wanted; otherwise no output at all."""
 
 import contextlib
 import io
@@ -22,13 +22,13 @@ class Pipe(io.StringIO):
 
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
-    """Bars that come at once."""
+    """Bars without their usual delay."""
     monkeypatch.setattr(progress, "DELAY", 0)
 
 
 @contextlib.contextmanager
 def written_to(stream, wanted=True):
-    """What standard error gets. Within the test: pytest puts its own stream in place after every fixture."""
+    """What is written to standard error. Called in the test, because pytest replaces the stream after every fixture."""
     with contextlib.redirect_stderr(stream), progress.progress_shown() if wanted else contextlib.nullcontext():
         yield stream
 

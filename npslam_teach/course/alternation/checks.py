@@ -1,4 +1,4 @@
-"""The checks of lesson 06: the objective, the vote about oneself, one alternation, and false positives."""
+"""The checks of lesson 06: the objective, votes without one's own, one alternation, and false positives."""
 
 import math
 from collections.abc import Callable
@@ -22,7 +22,7 @@ def check_objective(student: Callable) -> Verdict:
     rng = np.random.default_rng(6)
     for _ in range(5):
         value, votes = float(rng.uniform(1, 50)), rng.integers(0, 6, (4, 4)).astype(float)
-        # Votes against an object that are not 1 tell whether their column is counted; an empty class, whether it is.
+        # Votes other than 1 in column 0 reveal whether it is counted; a class without votes reveals whether zeros are.
         votes[:, 0], votes[:, 1], votes[0, 2] = rng.integers(2, 5, 4), rng.integers(3, 7, 4), 0
         arguments = (value, votes, float(rng.uniform(0.2, 0.9)), float(rng.uniform(2, 90)))
         number, verdict = array_from("the objective", student, (), arguments[0], votes.copy(), *arguments[2:])
@@ -68,7 +68,7 @@ def _mistake_in_objective(answer: float, value: float, votes: np.ndarray, alpha:
 
 
 def check_votes_of_others(student: Callable) -> Verdict:
-    """Exercise 2: ``student(k, labels, obs_class, num_objects)`` counts the votes that sighting k is judged by."""
+    """Exercise 2: ``student(k, labels, obs_class, num_objects)`` counts the votes that observation k is judged by."""
     rng = np.random.default_rng(5)
     for _ in range(20):
         num_objects = 4
@@ -107,7 +107,7 @@ def check_one_alternation(student: Callable) -> Verdict:
     for seed in range(3):
         log, better_poses = _shaken_toy(seed)
         first = initial_snapshot(log, PAPER_ODOMETRY_STD, STD, ALPHA)
-        # Later the path is no longer the wheels', and that is where answers differ.
+        # Later the path is no longer that of the odometry: wrong answers may differ from right ones only there.
         seen_at = se2.apply(better_poses[log.obs_time], log.obs_xy)
         later = replace(first.graph, poses=better_poses, landmarks=seen_at)
         for graph in (first.graph, later):
@@ -118,7 +118,7 @@ def check_one_alternation(student: Callable) -> Verdict:
 
 
 def _check_round(student: Callable, log: RobotLog, graph: PoseGraph, labels: np.ndarray) -> Verdict | None:
-    """None when the student's round is the library's."""
+    """None if the student's round gives what the library's gives."""
     answer, verdict = answer_of(student, log, graph, labels.copy(), ALPHA, STD)
     if verdict is not None:
         return verdict
@@ -162,7 +162,7 @@ def _round(log: RobotLog, graph: PoseGraph, labels: np.ndarray, seen_from: np.nd
 
 
 def _shaken_toy(seed: int) -> tuple[RobotLog, np.ndarray]:
-    """The toy scene, seen three times with a little noise and on wheels that slip by a metre; and its true path."""
+    """The toy scene observed three times, with a little noise and one more metre of slip; and its true path."""
     rng = np.random.default_rng(seed)
     log, truth = simulate.toy_objects()
     noisy = np.tile(log.obs_xy, (3, 1)) + rng.normal(0, 0.15, (24, 2))
@@ -205,7 +205,7 @@ def check_kept(student: Callable) -> Verdict:
 
 
 def _mistake_in_kept(answers: list, cases: list) -> str:
-    """The mistake that explains every one of the answers, not only the first that was off."""
+    """The mistake that explains all of the answers, not only the first wrong one."""
     mistakes = {
         "these are the objects that go, asked for are those that stay": lambda v, e: v[:, 0] / v.sum(axis=1) > e,
         "an object exactly at epsilon stays: only above it does it go": lambda v, e: v[:, 0] / v.sum(axis=1) < e,

@@ -15,12 +15,12 @@ from npslam_teach.types import GroundTruth, RobotLog, Snapshot
 
 
 def explore_alternation(log: RobotLog, truth: GroundTruth, rounds: int = 10) -> Explorer:
-    """Play the rounds: the map on the left, the number of objects and the objective beside it.
+    """Play the rounds: the map on the left, beside it the number of objects and the objective.
 
     Args:
         log: what the robot measured.
-        truth: drawn behind, and what the estimate is laid over.
-        rounds: at most so many.
+        truth: drawn behind; the estimate is aligned to it.
+        rounds: the largest number of rounds.
     """
     snapshots = half_steps(log, rounds=rounds)
     figure, (left, middle, right) = plotting.new_figure(1, 3, (14.0, 5.6), width_ratios=(1.5, 1, 1))

@@ -12,7 +12,7 @@ from npslam_teach.types import GroundTruth, RobotLog, Snapshot
 
 
 def explore_false_positives(log: RobotLog, truth: GroundTruth, alpha: float = 0.5) -> Explorer:
-    """Move epsilon and see which objects are taken away, and what that does to the path.
+    """Move epsilon and see which objects are removed, and what that does to the path.
 
     Args:
         log: what the robot measured; the solver uses its own standard deviations.
@@ -25,7 +25,7 @@ def explore_false_positives(log: RobotLog, truth: GroundTruth, alpha: float = 0.
     figure, (left, right) = plotting.new_figure(1, 2, (13.0, 4.8), width_ratios=(1, 1.6))
     pictures.plot_nothing_there(left, before.votes, names, 0.5)
     pictures.plot_kept_objects(right, before, truth, np.zeros((0, 2)), names)
-    # The wheels' path is the widest that there will be, and it must fit in too.
+    # The odometry path is the widest of all, and must fit on the map.
     first = next(np_graph(log, **settings))
     right.update_datalim(np.vstack([first.graph.poses[:, :2], first.graph.landmarks]))
     right.autoscale_view()
@@ -54,7 +54,7 @@ def _artists(left, right, before: Snapshot):
     level, bars = left.lines[0], left.patches
     path, crosses = right.lines[1], right.lines[2]
     classes = before.votes[:, 1:].argmax(axis=1)
-    # Behind the hollow true objects come the found ones, one collection for each class in increasing order.
+    # After the hollow true objects come the found ones, one collection for each class in increasing order.
     found = dict(zip(np.unique(classes), right.collections[-len(np.unique(classes)) :], strict=True))
 
     def move(epsilon: float, rejected: np.ndarray, after: Snapshot) -> None:

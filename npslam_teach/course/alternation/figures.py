@@ -12,7 +12,7 @@ EPSILON = 0.45
 
 
 def false_positives_figure():
-    """Deck figure 13: the vote against each object, and the map without those that it brought down."""
+    """Deck figure 13: the vote against each object, and the map without the rejected objects."""
     log, truth = simulate.toy_objects()
     stds = {"odometry_std": log.odometry_std, "observation_std": log.observation_std}
     *_, before, after = np_graph(log, alpha=0.5, **stds, false_positive_threshold=EPSILON)

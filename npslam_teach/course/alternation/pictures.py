@@ -1,4 +1,4 @@
-"""Pictures of lesson 06: who belongs together, the objective half-step by half-step, groupings, and false positives."""
+"""Pictures of lesson 06: associations, the objective half-step by half-step, groupings, and false positives."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -37,7 +37,7 @@ HALVES = ("who is who", "where everything is")  # of a round: the sweep, then th
 
 
 def member_names(labels: np.ndarray) -> list[str]:
-    """What to call each object: the sightings it holds, ``Obj_1+4`` for those of index 0 and 3.
+    """What to call each object: the observations it holds, ``Obj_1+4`` for those of index 0 and 3.
 
     Args:
         labels: (M,) index of the object, from 0 without gaps; -1 belongs to none.
@@ -47,15 +47,15 @@ def member_names(labels: np.ndarray) -> list[str]:
 
 
 def plot_belonging(ax: Axes, snapshot: Snapshot, log: RobotLog, xy: np.ndarray, truth: GroundTruth) -> Axes:
-    """Map of a small scene: every sighting with its name, tied to the object it is thought to be of.
+    """Map of a small scene: every observation with its name, and a line to its estimated object.
 
-    Nothing is laid over the truth first: pose 0 is the origin of both.
+    The estimate is not aligned to the truth: pose 0 is the origin of both.
 
     Args:
         ax: a map.
         snapshot: the estimate.
         log: what it was made from.
-        xy: (M, 2) m, W: each sighting carried into the room along the estimated path.
+        xy: (M, 2) m, W: each observation carried into the room along the estimated path.
         truth: dashed grey behind.
     """
     names = truth.world.class_names
@@ -66,13 +66,13 @@ def plot_belonging(ax: Axes, snapshot: Snapshot, log: RobotLog, xy: np.ndarray, 
     for k, label in enumerate(snapshot.labels):
         if label >= 0:
             ax.plot(*np.stack([xy[k], snapshot.graph.landmarks[label]]).T, **TIE)
-    _name_sightings(ax, snapshot.labels, xy)
+    _name_observations(ax, snapshot.labels, xy)
     ax.margins(x=0.1, y=0.12)
     return label_map(ax)
 
 
-def _name_sightings(ax: Axes, labels: np.ndarray, xy: np.ndarray, within: float = 0.1) -> None:
-    """Write one name beside sightings of one object that lie on each other (m), and its own beside every other."""
+def _name_observations(ax: Axes, labels: np.ndarray, xy: np.ndarray, within: float = 0.1) -> None:
+    """Write names beside observations: one name for those of one object that are all ``within`` so many m."""
     for label in np.unique(labels):
         members = np.flatnonzero(labels == label)
         together = label >= 0 and np.ptp(xy[members], axis=0).max() < within
@@ -108,7 +108,7 @@ def plot_half_steps(ax: Axes, values) -> Axes:
 
 
 def plot_groupings(ax: Axes, objectives, marked: dict[str, int], title: str) -> Axes:
-    """Every grouping of the sightings from the best to the worst, some of them named.
+    """Every grouping of the observations from the best to the worst, some of them named.
 
     Args:
         ax: any axes.
@@ -124,7 +124,7 @@ def plot_groupings(ax: Axes, objectives, marked: dict[str, int], title: str) -> 
         color, marker = class_style(k)
         style = {"color": color, "marker": marker, "markersize": 11, "markeredgecolor": ESTIMATE_COLOR}
         ax.plot(rank[index], objectives[index], linestyle="none", label=f"{name}: {objectives[index]:.2f}", **style)
-    ax.set_yscale("log")  # the worst are worse by hundreds
+    ax.set_yscale("log")  # the worst are larger by hundreds
     ax.yaxis.set_major_locator(FixedLocator([2, 3, 4, 5, 7, 10, 20, 50, 100, 200, 500]))
     ax.yaxis.set_major_formatter(ScalarFormatter())
     ax.yaxis.set_minor_locator(NullLocator())
@@ -133,15 +133,15 @@ def plot_groupings(ax: Axes, objectives, marked: dict[str, int], title: str) -> 
 
 
 def plot_split_objects(ax: Axes, snapshot: Snapshot, log: RobotLog, truth: GroundTruth) -> Axes:
-    """Map of a result in which some true objects are found more than once, each tied to its copies.
+    """Map of a result in which some true objects are found more than once, each with lines to its copies.
 
-    A found object counts as a copy of a true one when it holds at least five of its sightings.
+    A found object counts as a copy of a true one when it holds at least five of its observations.
 
     Args:
         ax: a map.
         snapshot: the estimate.
         log: what it was made from.
-        truth: what really is there.
+        truth: the true objects and path.
     """
     plot_snapshot(ax, snapshot, log, truth, legend=False)
     _, landmarks = laid_over_truth(snapshot, truth)
@@ -157,13 +157,13 @@ def plot_split_objects(ax: Axes, snapshot: Snapshot, log: RobotLog, truth: Groun
 
 
 def plot_nothing_there(ax: Axes, votes: np.ndarray, names: list[str], epsilon: float) -> Axes:
-    """How probable it is of each object that nothing is there, against epsilon (deck figure 13).
+    """The probability that nothing is there, for each object, beside epsilon (deck figure 13).
 
     Args:
         ax: any axes; its lines[0] is epsilon.
         votes: (K, C+1).
         names: (K,) to write under the bars.
-        epsilon: an object above it is taken away.
+        epsilon: an object above it is removed.
     """
     ax.axhline(epsilon, label="epsilon", **LEVEL_LINE)
     colors = [class_style(c)[0] for c in votes[:, 1:].argmax(axis=1)]
@@ -176,15 +176,15 @@ def plot_nothing_there(ax: Axes, votes: np.ndarray, names: list[str], epsilon: f
 def plot_kept_objects(
     ax: Axes, snapshot: Snapshot, truth: GroundTruth, rejected_xy: np.ndarray, names: list[str]
 ) -> Axes:
-    """Map of the objects that remain, and crosses where objects were taken away (deck figure 13).
+    """Map of the objects that remain, and crosses where objects were removed (deck figure 13).
 
-    Pose 0 is the origin of the estimate and of the truth, so nothing is laid over anything.
+    The estimate is not aligned to the truth: pose 0 is the origin of both.
 
     Args:
         ax: a map.
         snapshot: after the removal.
         truth: dashed grey behind.
-        rejected_xy: (R, 2) m, W: where the objects were that are gone.
+        rejected_xy: (R, 2) m, W: where the removed objects were.
         names: (K,) of the objects that remain.
     """
     classes = snapshot.votes[:, 1:].argmax(axis=1)

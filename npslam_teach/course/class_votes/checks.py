@@ -100,7 +100,7 @@ def _judged_posterior(answer, votes) -> Verdict | None:
 
 
 def check_false_positives(function) -> Verdict:
-    """Exercise 3: ``(votes, epsilon) -> (K,)`` bool, True for what is rather nothing."""
+    """Exercise 3: ``(votes, epsilon) -> (K,)`` bool, True for a false positive."""
     votes = np.zeros((5, 4))
     votes[:, 0], votes[np.arange(5), [1, 2, 3, 1, 2]] = 1.0, [1, 2, 3, 5, 9]
     votes[3, 2] = 2.0
@@ -178,7 +178,7 @@ def _judged_log_density(answer, x, a) -> Verdict | None:
 
 
 def check_true_class(function) -> Verdict:
-    """Exercise 5: ``(votes (C,), confusion (C, C)) -> (C,)``, what the object truly is, given what was reported."""
+    """Exercise 5: ``(votes (C,), confusion (C, C)) -> (C,)``, the posterior of the true class given the reports."""
     rng = np.random.default_rng(55)
     for size in (3, 4, 3):
         confusion = 0.6 * np.eye(size) + 0.4 * rng.dirichlet(np.ones(size), size)
@@ -196,7 +196,7 @@ def check_true_class(function) -> Verdict:
 
 
 def true_class(votes: np.ndarray, confusion: np.ndarray) -> np.ndarray:
-    """Posterior of the true class under an even prior: ``prod_u confusion[c, u]^votes[u]``, normalised.
+    """Posterior of the true class under a uniform prior: ``prod_u confusion[c, u]^votes[u]``, normalised.
 
     Args:
         votes: (..., C) how often each class was reported.
@@ -231,7 +231,7 @@ def _judged_true_class(answer, votes, confusion) -> Verdict | None:
 
 
 def _gives(expected, function, *arguments) -> bool:
-    """Whether the function survives an extreme case, in which it may overflow."""
+    """Whether the function is right in an extreme case, in which it may overflow."""
     with np.errstate(all="ignore"):
         array, verdict = array_from("the answer", function, np.shape(expected), *arguments)
     return verdict is None and np.allclose(array, expected)

@@ -19,7 +19,7 @@ def explore_triangle(class_names=TOY_CLASSES, votes=(7, 3, 0), prior: float = 1.
     Args:
         class_names: three of them.
         votes: (3,) at the start.
-        prior: what every class is given before the first vote; below 1 it favours certainty, 1 is even.
+        prior: of every class, before the first vote; below 1 it favours certainty, at 1 it is uniform.
     """
     figure, ax = plotting.new_figure(size=(7.6, 5.8))
     shading = pictures.plot_triangle(ax, np.ones(3), class_names)
@@ -27,7 +27,7 @@ def explore_triangle(class_names=TOY_CLASSES, votes=(7, 3, 0), prior: float = 1.
     marks = pictures.plot_summaries(ax, dict.fromkeys(pictures.SUMMARIES))
     style = {"loc": "upper left", "bbox_to_anchor": (-0.02, 1.0), "frameon": False, "fontsize": TEXT_SIZE["legend"]}
     legend = ax.legend(handles=[*pictures.summary_handles(marks), samples], **style)
-    legend.set_zorder(0.5)  # below all that moves, none of which comes near it: so it is drawn once
+    legend.set_zorder(0.5)  # below all that moves, so that it is drawn only once
 
     def update(first: int, second: int, third: int, prior: float) -> str:
         votes = np.array([first, second, third], dtype=float)

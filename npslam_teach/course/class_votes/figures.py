@@ -15,20 +15,20 @@ CLASSES = simulate.TOY_CLASSES
 
 
 def toy_clusters(log: RobotLog) -> Snapshot:
-    """What the method makes of the toy scene with alpha = 0.5 and the sensors' own noise."""
+    """The result of the method for the toy scene with alpha = 0.5 and the sensors' own noise."""
     *_, last = np_graph(log, alpha=0.5, odometry_std=log.odometry_std, observation_std=log.observation_std)
     return last
 
 
 def votes_by_cluster(snapshot: Snapshot) -> tuple[list[str], np.ndarray]:
-    """The sightings of each cluster, ``Obj_3`` for index 2, and its votes; in the order of their first sightings."""
+    """The observations of each cluster, ``Obj_3`` for index 2, and its votes; in the order of first observation."""
     order = list(dict.fromkeys(snapshot.labels.tolist()))
     members = [np.flatnonzero(snapshot.labels == i) for i in order]
     return ["\n".join(f"Obj_{k + 1}" for k in own) for own in members], snapshot.votes[order]
 
 
 def votes_figure():
-    """Deck figure 9: the votes of each cluster; and what becomes of them when one sighting is misread."""
+    """Deck figure 9: the votes of each cluster; and how they change when one observation is misread."""
     log, _ = simulate.toy_objects()
     misread = log.obs_class.copy()
     misread[4] = 1  # Obj_5, a chair, taken for a screen

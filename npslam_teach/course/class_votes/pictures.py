@@ -1,6 +1,6 @@
 """Pictures of lesson 05: votes of clusters, the Dirichlet distribution on its triangle, and confused runs.
 
-A point of the triangle is a triple of probabilities: each corner is certainty of one class, the middle an even guess.
+A point of the triangle is a triple of probabilities: a corner is certainty of one class, the middle is uniform.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from npslam_teach.course.dirichlet_process.pictures import NEW
 from npslam_teach.plotting.style import ESTIMATE_COLOR, TEXT_SIZE, TRUTH_LINE, class_style, label_axes, new_figure
 
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, np.sqrt(3) / 2]])  # of the triangle, by class
-DENSITY_TICKS = (0, 1 / 3, 1, 3, 10, 30)  # in units of the even density
+DENSITY_TICKS = (0, 1 / 3, 1, 3, 10, 30)  # in units of the uniform density
 SUMMARIES = {  # maximum likelihood is drawn around the mode, which it often equals
     "maximum likelihood": {"marker": "s", "markersize": 15, "markerfacecolor": "none", "markeredgewidth": 2.2},
     "mean": {"marker": "o", "markersize": 9, "markerfacecolor": "white", "markeredgewidth": 1.6},
@@ -87,9 +87,10 @@ def on_triangle(probabilities: np.ndarray) -> np.ndarray:
 
 
 def shade(concentration: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """How dark the density is drawn, (N,) from 0 to 1: ``d / (1 + d)`` with d in units of the even density, 2.
+    """How dark the density is drawn, (N,) from 0 to 1: ``d / (1 + d)`` with d in units of the uniform density, 2.
 
-    One scale serves every distribution. On an edge the density may be infinite, so it is taken a little inside.
+    The scale is the same for every distribution. On an edge the density may be infinite, so it is evaluated slightly
+    inside.
     """
     inside = np.clip(points, 0.004, None)
     inside = inside / inside.sum(axis=-1, keepdims=True)
@@ -101,7 +102,7 @@ def plot_triangle(ax: Axes, concentration: np.ndarray, class_names, title: str =
     """The density of a Dirichlet distribution over three classes (deck figure 10).
 
     Args:
-        ax: any axes; it gets no axes of its own, since a corner means probability 1 of its class.
+        ax: any axes; they are hidden, because a corner already means probability 1 of its class.
         concentration: (3,) positive.
         class_names: (3,) written at the corners.
         title: of the plot.
@@ -111,7 +112,7 @@ def plot_triangle(ax: Axes, concentration: np.ndarray, class_names, title: str =
         the shading, for ``set_triangle``.
     """
     points, faces = triangle_points()
-    # As pixels even in an SVG, where thousands of shaded triangles would weigh megabytes.
+    # Pixels even in an SVG, where thousands of shaded triangles would take megabytes.
     mesh = Triangulation(*on_triangle(points).T, faces)
     look = {"shading": "gouraud", "cmap": "Blues", "vmin": 0.0, "vmax": 1.0, "zorder": 1, "rasterized": True}
     shading = ax.tripcolor(mesh, shade(concentration, points), **look)
@@ -130,9 +131,9 @@ def plot_triangle(ax: Axes, concentration: np.ndarray, class_names, title: str =
 
 
 def set_triangle(shading, concentration: np.ndarray) -> None:
-    """Shade what ``plot_triangle`` drew for another distribution."""
+    """Change the shading of ``plot_triangle`` to that of another distribution."""
     shading.set_array(shade(concentration, triangle_points()[0]))
-    shading.stale = True  # which is not matplotlib's habit after set_array
+    shading.stale = True  # matplotlib does not set it in set_array
 
 
 def plot_summaries(ax: Axes, summaries: dict) -> dict[str, Line2D]:

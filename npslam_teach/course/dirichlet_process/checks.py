@@ -190,7 +190,7 @@ _SWEEP_MISTAKES = {
 
 
 def _scene(rng: np.random.Generator, start: str) -> tuple:
-    """Sightings around five places, as arguments of a sweep: each alone, or in groups that are partly wrong."""
+    """Observations around five places, as arguments of a sweep: each alone, or in groups that are partly wrong."""
     place = rng.integers(0, 5, 18)
     xy = rng.uniform(0.0, 2.0, (5, 2))[place] + rng.normal(size=(18, 2)) * 0.12
     obs_class = np.where(rng.random(18) < 0.8, place % 2, rng.integers(0, 2, 18))
@@ -204,7 +204,7 @@ def _numbered(labels: np.ndarray) -> np.ndarray:
 
 
 def _grouping(labels: np.ndarray) -> tuple:
-    """The partition, whatever its groups are called: for each sighting the first one it is grouped with."""
+    """The partition, whatever its groups are called: for each observation the first one it is grouped with."""
     return tuple(int(np.argmax(labels == label)) for label in labels)
 
 

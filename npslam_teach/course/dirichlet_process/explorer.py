@@ -1,4 +1,4 @@
-"""Turn the three knobs of the association: alpha, the threshold and the width of the kernel (lesson 04)."""
+"""The explorer of lesson 04: alpha, the threshold and the kernel width of the association."""
 
 import numpy as np
 
@@ -9,16 +9,16 @@ from npslam_teach.course.explorers import Explorer, choice, slider
 from npslam_teach.simulate import TOY_CLASSES, toy_objects
 from npslam_teach.types import RobotLog
 
-HIGHEST_WEIGHT = 1.7  # of the axis: a lone sighting weighs at most 1, alpha goes up to 1.5
+HIGHEST_WEIGHT = 1.7  # of the axis: a lone observation weighs at most 1, alpha goes up to 1.5
 
 
 def explore_association(log: RobotLog | None = None, class_names=TOY_CLASSES, asks: int = 4) -> Explorer:
-    """Weights and probabilities of any sighting, every other one an object of its own (deck figures 6 to 8).
+    """Weights and probabilities of any observation, every other one an object of its own (deck figures 6 to 8).
 
     Args:
-        log: a short one, whose sightings fit side by side; the toy scene when None.
+        log: a short one, whose observations fit side by side; the toy scene when None.
         class_names: (C,).
-        asks: index of the sighting that asks at the start.
+        asks: index of the observation that asks at the start.
     """
     log = toy_objects()[0] if log is None else log
     xy = se2.apply(se2.dead_reckoning(log.odometry)[log.obs_time], log.obs_xy)
@@ -35,12 +35,12 @@ def explore_association(log: RobotLog | None = None, class_names=TOY_CLASSES, as
         level.set_visible(threshold > 0)
         return _words(asks, weights, probabilities, alpha, threshold or None)
 
-    sightings = choice("which sighting", {f"Obj_{k + 1}": k for k in range(log.num_observations)})
-    sightings.value = asks
+    observations = choice("which sighting", {f"Obj_{k + 1}": k for k in range(log.num_observations)})
+    observations.value = asks
     return Explorer(
         figure,
         update,
-        asks=sightings,
+        asks=observations,
         alpha=slider("alpha", 0.5, 0.05, 1.5, 0.05),
         threshold=slider("threshold (0: none)", 0.0, 0.0, 0.95, 0.05),
         kernel_std=slider("kernel width s (m)", PAPER_KERNEL_STD, 0.05, 1.0, 0.05),
@@ -58,13 +58,13 @@ def _bars(log: RobotLog, class_names):
     left.set_ylim(0.0, HIGHEST_WEIGHT)
     right.set_ylim(0.0, 1.12)
     pictures.plot_threshold(right, 0.0)
-    left.tick_params(labelbottom=False)  # the names stand once, below both: a quarter of the time that a picture takes
-    right.texts[-1].remove()  # its value moves; the words and the slider give it
+    left.tick_params(labelbottom=False)  # names once, below both: drawing them takes a quarter of the time
+    right.texts[-1].remove()  # its value would change; the words and the slider give it
     return figure, left, right, right.lines[-1]
 
 
 def _words(asks: int, weights: np.ndarray, probabilities: np.ndarray, alpha: float, threshold: float | None) -> str:
-    """What is asked, the numbers that are not nothing, and the decision."""
+    """The observation that asks, the numbers that are not zero, and the decision."""
     some = [k for k in np.argsort(-weights, kind="stable") if weights[k] >= 0.005]
     weighed = ", ".join(f"Obj_{k + 1} {weights[k]:.2f}" for k in some) or "none of the others"
     likely = "".join(f"Obj_{k + 1} {probabilities[k]:.2f}, " for k in some) + f"new {probabilities[-1]:.2f}"

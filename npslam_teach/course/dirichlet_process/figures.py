@@ -12,7 +12,7 @@ ALPHA = 0.5
 
 
 def _scene():
-    """Log, path along the wheels, sightings in the room, and the class of each bar but that of Obj_5."""
+    """The log, its class names, the odometry path (T, 3), and the observations (M, 2) m along it."""
     log, truth = simulate.toy_objects()
     poses = se2.dead_reckoning(log.odometry)
     return log, truth.world.class_names, poses, se2.apply(poses[log.obs_time], log.obs_xy)
@@ -29,7 +29,7 @@ def _bars_of_obj_5():
 
 
 def association_figure():
-    """Deck figure 6: where Obj_5 is, and how well it fits every other sighting."""
+    """Deck figure 6: where Obj_5 is, and how well it fits every other observation."""
     log, class_names, poses, xy = _scene()
     votes, distance, names, bar_class = _bars_of_obj_5()
     weights = association_weights(votes, distance)
@@ -42,7 +42,7 @@ def association_figure():
 
 
 def process_figure():
-    """Deck figure 7: the probabilities of Obj_5 before and after room is made for a new object."""
+    """Deck figure 7: the probabilities of Obj_5 without and with the possibility of a new object."""
     votes, distance, names, bar_class = _bars_of_obj_5()
     weights = association_weights(votes, distance)
     after = association_probabilities(votes, distance, ALPHA)

@@ -1,6 +1,6 @@
 """Pictures of lesson 04: which object is it? Bars of weights and probabilities, the restaurant, the cliff at alpha = 1.
 
-Objects have the colour of their class, "new" is hatched grey. Names say ``Obj_1`` for index 0, as the deck does.
+Objects have the colour of their class, "new" is hatched grey. ``Obj_1`` is the name of index 0, as in the deck.
 """
 
 import numpy as np
@@ -30,20 +30,20 @@ CURVE_STYLES = ("-", "-.", ":")  # beside the colour, so that curves differ on a
 
 
 def sighting_names(obs_class: np.ndarray, class_names) -> list[str]:
-    """What to write under the bar of each sighting: ``Obj_1`` and its class, one above the other."""
+    """What to write under the bar of each observation: ``Obj_1`` and its class, one above the other."""
     return [f"Obj_{k + 1}\n{class_names[c]}" for k, c in enumerate(obs_class)]
 
 
 def plot_sightings(ax: Axes, poses: np.ndarray, xy: np.ndarray, obs_class, class_names, asks: int) -> Axes:
-    """Map of the sightings along the wheels' path, and how far each one of its class is from the one that asks.
+    """Map of the observations along the odometry path, and the distances from one to all others of its class.
 
     Args:
         ax: a map.
-        poses: (T, 3) W, as the wheels report them.
-        xy: (M, 2) m, W: each sighting carried into the room.
+        poses: (T, 3) W, from the odometry.
+        xy: (M, 2) m, W: each observation carried into the room.
         obs_class: (M,).
         class_names: (C,).
-        asks: index of the sighting whose distances are drawn.
+        asks: index of the observation whose distances are drawn.
     """
     plot_trajectory(ax, poses)
     alike = [k for k in np.flatnonzero(np.asarray(obs_class) == obs_class[asks]) if k != asks]
@@ -60,7 +60,7 @@ def plot_sightings(ax: Axes, poses: np.ndarray, xy: np.ndarray, obs_class, class
 
 
 def _draw_distance(ax: Axes, start: np.ndarray, end: np.ndarray, bend: float) -> None:
-    """A bow from one point to another, always to the right, with the distance written at its outermost point."""
+    """An arc from one point to another, bent to the right, with the distance written at its outermost point."""
     across = end - start
     side = np.array([across[1], -across[0]])
     side = side if side[0] >= 0 else -side
@@ -77,7 +77,7 @@ def plot_bars(ax: Axes, values: np.ndarray, names: list[str], bar_class: list, l
 
     Args:
         ax: any axes.
-        values: (N,) weights or probabilities; NaN is the sighting that asks, which has no bar.
+        values: (N,) weights or probabilities; NaN is the observation that asks, which has no bar.
         names: (N,) under the bars.
         bar_class: (N,) class index of each bar, None for "new".
         label: of the y axis, with its unit.
@@ -103,7 +103,7 @@ def set_bars(ax: Axes, values: np.ndarray) -> None:
         height = 0.0 if np.isnan(value) else float(value)
         bar.set_height(height)
         text.xy = (text.xy[0], height)
-        # A weight of 0.004 is not nothing, and a bar of exactly nothing needs no decimals.
+        # A weight of 0.004 is written as 0.00, and exactly zero as 0.
         text.set_text("itself" if np.isnan(value) else "0" if height == 0 else f"{height:.2f}")
 
 
@@ -138,12 +138,12 @@ def plot_threshold(ax: Axes, threshold: float) -> Axes:
 
 
 def plot_tables(ax: Axes, tables: dict[float, np.ndarray], expected: dict[float, np.ndarray]) -> Axes:
-    """How many tables are open after each guest: the mean evening, where 8 in 10 evenings lie, and what is expected.
+    """How many tables are open after each guest: the mean over evenings, the range of 8 in 10, and the expectation.
 
     Args:
         ax: any axes.
-        tables: by alpha: (E, N), evening by evening, the tables open after guest 1, 2, ...
-        expected: by alpha: (N,) the same by the formula.
+        tables: by alpha: (E, N), for every evening, the tables open after guest 1, 2, ...
+        expected: by alpha: (N,) their expected number by the formula.
     """
     for k, (alpha, counts) in enumerate(tables.items()):
         color, guests = class_style(k)[0], np.arange(1, counts.shape[1] + 1)
@@ -168,7 +168,7 @@ def plot_cliff(ax: Axes, alphas, counts: np.ndarray, num_objects_true: int) -> A
     """
     for seed, row in enumerate(counts):
         color, marker = class_style(seed)
-        # Ever thinner and smaller: rooms with the same result lie on each other.
+        # Later curves are thinner and smaller, because rooms with equal results coincide.
         size = {"linewidth": max(4.5 - seed, 1.0), "markersize": max(11.0 - 2 * seed, 4.0)}
         ax.plot(alphas, row, color=color, marker=marker, label=f"room {seed}", **size)
     ax.axhline(num_objects_true, label=f"true number: {num_objects_true}", **TRUTH_LINE)

@@ -1,10 +1,10 @@
 // "Draw your own world", the page's side: drawing with mouse, finger or keys, and showing what the kernel answers.
 //
-// The model holds `drawing`, what the student decides, and `answer`, what the kernel made of it (npslam_teach/drawing.py
-// says what is in them). A drawing is sent when the mouse is lifted, never while it moves, and only one is ever on its
-// way: while the kernel works, later ones wait, and of these only the last is sent. An answer comes twice: at once
-// with the round before any thought, and with all rounds when the work is done. A drawing that the kernel refuses is
-// taken back. Everything is in metres until `toPixels`.
+// The model holds `drawing`, what the student decides, and `answer`, what the kernel computes from it; messages.py
+// describes both. A drawing is sent when the mouse is lifted, never while it moves, and only one at a time: while the
+// kernel works, later ones wait, and of these only the last is sent. There are two answers: at once the round before
+// the method starts, later all rounds. A drawing that the kernel refuses is taken back. Everything is in metres until
+// `toPixels`.
 
 const MARGIN = { left: 40, right: 8, top: 8, bottom: 36 }; // px around the room, for the axes
 const TALLEST = 560; // px

@@ -1,8 +1,8 @@
-"""The explorer in which a student draws a world and watches the method work it out; ``explorer.js`` is its page.
+"""The explorer in which a student draws a world and watches the method map it; ``draw_world.js`` is its page.
 
 The page sends ``drawing`` when the mouse or the finger is lifted; the kernel answers with ``answer``. Both are plain
-dictionaries, described in ``npslam_teach.drawing``, with the number of the request, by which the page knows which
-drawing an answer belongs to. An answer comes twice: at once as far as it needs no thought, and when the work is done.
+dictionaries, described in ``messages``. They hold the number of the request, so that the page knows which drawing an
+answer belongs to. There are two answers: at once the initial estimate, later all rounds of the method.
 """
 
 import time
@@ -59,7 +59,7 @@ def _worlds() -> dict:
 
 
 class DrawWorld(anywidget.AnyWidget):
-    """Draw a robot's path, drop and drag objects, set the noise; the method answers each time.
+    """Draw a robot's path, drop and drag objects, set the noise; the method runs after each change.
 
     A drawing that cannot be used is answered with one sentence, and the last good world is kept.
     """
@@ -114,7 +114,7 @@ class DrawWorld(anywidget.AnyWidget):
         return self.solved.snapshots
 
     def choose(self, world: str) -> str:
-        """Show a world of the list, as choosing it by hand would, and return the words under the picture.
+        """Show a world of the list, as if it were chosen on the page, and return the words under the picture.
 
         Raises:
             ValueError: there is no such world.
@@ -124,7 +124,7 @@ class DrawWorld(anywidget.AnyWidget):
         return self._show(self.worlds[world]["drawing"])
 
     def change(self, **entries) -> str:
-        """Change entries of the drawing, as a hand would, and return the words under the picture.
+        """Change entries of the drawing, as the page would, and return the words under the picture.
 
         Args:
             **entries: ``noise``, ``clutter_rate``, ``seed``, ``stroke`` or ``objects``, as in ``messages.to_message``.
@@ -139,7 +139,7 @@ class DrawWorld(anywidget.AnyWidget):
         datasets.save_log(path, self.log, self.truth)
 
     def load(self, path) -> str:
-        """Show the world of a ``.npz`` log and solve the log as it is; the first change drives through it anew.
+        """Show the world of a ``.npz`` log and solve the log itself; after a change the robot drives through it again.
 
         Raises:
             FileNotFoundError: no such file.
@@ -160,10 +160,10 @@ class DrawWorld(anywidget.AnyWidget):
         return self.words
 
     def _work(self, change) -> None:
-        """Answer a drawing; whatever happens there is an answer, because the page waits for it."""
+        """Answer a drawing; there is always an answer, because the page waits for it."""
         begin = time.perf_counter()
         loaded, self._loaded = self._loaded, None
-        result = {"error": "The program failed, which is its own fault; the log of the notebook says where"}
+        result = {"error": "The program failed, through no fault of yours; the log of the notebook says where"}
         try:
             log, truth = loaded or drawn_run(from_message(self.drawing))
             self._reply(answer(initial(log, truth)), begin, done=False)
@@ -179,7 +179,7 @@ class DrawWorld(anywidget.AnyWidget):
         self.answer = result | {"request": self.drawing.get("request", 0), "seconds": seconds, "done": done}
 
     def _handle_message(self, _, content: dict, buffers) -> None:
-        """Save or load a file that the page names, and say what came of it."""
+        """Save or load the file that the page names, and report the result."""
         name = str(content.get("file", ""))
         try:
             if content.get("do") == "load":
@@ -193,5 +193,5 @@ class DrawWorld(anywidget.AnyWidget):
         self.send({"note": note})
 
     def __repr__(self) -> str:
-        """What stands in the place of the widget where no kernel runs, as on a code host."""
+        """The text that is shown in place of the widget where no kernel runs, as on a code host."""
         return f"DrawWorld: {self.words}"

@@ -1,7 +1,7 @@
-"""From a drawing to an answer: what the robot measures in a drawn world, what the paper's method makes of it, in words.
+"""From a drawing to an answer: a run through the drawn world, the result of the paper's method, and words for it.
 
-Nothing here draws or knows a browser; ``explorers.draw_world`` connects it to one. A page and a kernel exchange plain
-numbers and text, in dictionaries that are described below.
+Nothing here draws or needs a browser; ``explorer`` connects it to one. The page and the kernel exchange plain numbers
+and text, in dictionaries that are described below.
 """
 
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ def solve(log: RobotLog, truth: GroundTruth) -> SolvedWorld:
 
 
 def initial(log: RobotLog, truth: GroundTruth) -> SolvedWorld:
-    """The run as far as it is known at once: the wheels' path, and every sighting an object of its own."""
+    """The run before the first round: the odometry path, and every observation an object of its own."""
     return SolvedWorld(log, truth, [next(np_graph(log))])
 
 
@@ -51,12 +51,12 @@ def num_seen(solved: SolvedWorld) -> int:
 
 
 def pose_error(solved: SolvedWorld, iteration: int) -> float:
-    """How far the poses of a round are from the truth on average, in m, laid over it as well as they can be."""
+    """The mean distance of the poses of a round from the true ones after the best rigid alignment, in m."""
     return float(distances_to_truth(solved.snapshots[iteration], solved.truth)[0].mean())
 
 
 def words(solved: SolvedWorld) -> str:
-    """The answer in two sentences, for those who cannot see the picture and for paper."""
+    """The answer in two sentences, for those who cannot see the picture and for print."""
     wheels = pose_error(solved, 0)
     if solved.log.num_observations == 0:
         return (
@@ -74,18 +74,18 @@ def words(solved: SolvedWorld) -> str:
 def round_words(solved: SolvedWorld, iteration: int) -> str:
     """One round in a sentence."""
     count = solved.snapshots[iteration].num_objects
-    name = "Before any thought" if iteration == 0 else f"Round {iteration} of {len(solved.snapshots) - 1}"
+    name = "At the start" if iteration == 0 else f"Round {iteration} of {len(solved.snapshots) - 1}"
     error = pose_error(solved, iteration)
     return f"{name}: {count} object{'' if count == 1 else 's'}, path off by {error:.2f} m on average."
 
 
 def answer(solved: SolvedWorld) -> dict:
-    """What the page needs to draw: the true path, and for each round the path, the objects and who is who.
+    """What the page needs to draw: the true path, and for each round the path, the objects and the associations.
 
     Returns:
         ``words``; ``num_seen``; ``path`` [x, y, x, y, ...] in m, W, the true one; ``sighting_class`` (M,); ``rounds``,
-        each with ``words``, ``count``, ``path``, ``objects`` [x, y, class, sightings, ...] and ``labels`` (M,), all
-        laid over the truth.
+        each with ``words``, ``count``, ``path``, ``objects`` [x, y, class, observations, ...] and ``labels`` (M,), all
+        aligned to the truth.
     """
     return {
         "words": words(solved),
@@ -177,10 +177,10 @@ def _pairs(points: list):
 
 
 def drawing_of(log: RobotLog, truth: GroundTruth) -> Drawing:
-    """The drawing that could have made a log: its true path and objects, and its noise as far as the log tells.
+    """The drawing that could have made a log: its true path and objects, and the noise that its odometry states.
 
-    A file keeps neither the seed nor what was carried about, so driving again gives another run of a world that
-    stands still.
+    A file keeps neither the seed nor which objects were carried, so driving again gives another run, in a world where
+    nothing moves.
 
     Raises:
         ValueError: the world is too large to be drawn, see ``simulate.Drawing``.

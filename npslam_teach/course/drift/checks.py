@@ -1,4 +1,4 @@
-"""Checks of lesson 02: motions of the plane, dead reckoning, and the uncertainty of a sighting."""
+"""Checks of lesson 02: motions of the plane, dead reckoning, and the uncertainty of an observation."""
 
 from collections.abc import Callable
 
@@ -107,15 +107,15 @@ def check_sighting_covariance(sighting_covariance: Callable) -> Verdict:
     }
     mistakes = [(lambda *a, keys=keys: variant(*a, **keys), message) for message, keys in wrongly.items()]
     rng, trials = np.random.default_rng(6), []
-    for pose, sighting in zip(_poses(6, 7), _poses(6, 8), strict=True):
+    for pose, observation in zip(_poses(6, 7), _poses(6, 8), strict=True):
         root = rng.normal(size=(3, 3))
-        trials.append((pose, root @ root.T, sighting[:2], rng.uniform(0.1, 1.5, 2)))
+        trials.append((pose, root @ root.T, observation[:2], rng.uniform(0.1, 1.5, 2)))
     praise = "the map is less sure than the path, and the more so the further away the object"
     return _judge("your covariance", sighting_covariance, trials, variant, mistakes, praise)
 
 
 def _poses(count: int, seed: int = 0) -> np.ndarray:
-    """Random poses (count, 3) with large turns, so that every second sum of headings must be wrapped."""
+    """Random poses (count, 3) with large turns, so that many sums of headings must be wrapped."""
     rng = np.random.default_rng(seed)
     return np.column_stack([rng.uniform(-3, 3, (count, 2)), rng.uniform(-np.pi, np.pi, count)])
 
@@ -127,7 +127,7 @@ def _with(pose: np.ndarray, index: int, value: float) -> np.ndarray:
 
 
 def _judge(name: str, function: Callable, trials: list, truth: Callable, mistakes: list, praise: str) -> Verdict:
-    """Judge, a missing wrap first; all other mistakes are looked for whether or not angles are wrapped."""
+    """Look for a missing wrap first, then for all other mistakes, whether or not the angles are wrapped."""
     by_message = {message: mistake for mistake, message in mistakes}
     if np.shape(truth(*trials[0]))[-1] == 3:
         by_message = {NOT_WRAPPED: truth} | by_message
@@ -158,7 +158,7 @@ def _same(answers: list, others: list, up_to_turns: bool = False) -> bool:
 
 
 def _difference(name: str, answers: list, expected: list) -> str:
-    """What can be said about a mistake that nobody thought of."""
+    """What can be said about an unknown mistake."""
     if answers[0].shape[-1] != 3 or answers[0].shape != np.shape(expected[0]):
         return f"{name} is off: try a heading of 0 first, then one of 90 degrees, on paper"
     wrapped = [se2.wrap((a - e)[..., 2]) for a, e in zip(answers, expected, strict=True)]

@@ -1,4 +1,4 @@
-"""Drift on the fifteen-object scene: a slider on the noise moves the path and every sighting."""
+"""Drift on the fifteen-object scene: a slider on the noise moves the path and every observation."""
 
 import numpy as np
 
@@ -10,24 +10,24 @@ HIGHEST_NOISE = 3.0
 
 
 def explore_noise(seed: int = 2016) -> Explorer:
-    """Turn up the noise of wheels and camera: the same draws, scaled, so nothing else changes (deck figure 5).
+    """Change the noise of odometry and camera: the same draws are scaled, so nothing else changes (deck figure 5).
 
     Args:
         seed: of the room and the draws, as in ``simulate.fifteen_objects``.
     """
     _, truth = simulate.fifteen_objects(seed)
-    log, _, _ = _believed(seed, HIGHEST_NOISE)
+    log, _, _ = _dead_reckoned(seed, HIGHEST_NOISE)
     figure, ax = plotting.new_figure(size=(8.0, 6.0))
-    sightings = _draw_room(ax, truth, log)
+    observations = _draw_room(ax, truth, log)
     (path,) = ax.plot([], [], **plotting.style.ESTIMATE_LINE)
     (end,) = ax.plot([], [], marker="X", markersize=12, color=plotting.style.ESTIMATE_COLOR, linestyle="none", zorder=4)
     _fix_limits(ax, truth, seed)
 
     def update(noise: float) -> str:
-        log, poses, xy = _believed(seed, noise)
+        log, poses, xy = _dead_reckoned(seed, noise)
         path.set_data(*poses[:, :2].T)
         end.set_data(*poses[-1:, :2].T)
-        for c, markers in sightings.items():
+        for c, markers in observations.items():
             markers.set_offsets(xy[log.obs_class == c])
         return in_words(noise, poses, xy, truth)
 
@@ -35,7 +35,7 @@ def explore_noise(seed: int = 2016) -> Explorer:
 
 
 def in_words(noise: float, poses: np.ndarray, obs_xy_world: np.ndarray, truth) -> str:
-    """How wrong a robot is that started at its true first pose and believed its wheels."""
+    """The errors of dead reckoning from the true first pose, of the path and of the observations."""
     off = np.linalg.norm(poses[:, :2] - truth.poses[:, :2], axis=1)
     beside = np.linalg.norm(obs_xy_world - truth.world.object_xy[truth.obs_object], axis=1)
     return (
@@ -45,15 +45,15 @@ def in_words(noise: float, poses: np.ndarray, obs_xy_world: np.ndarray, truth) -
     )
 
 
-def _believed(seed: int, noise: float):
-    """The log, the dead-reckoned poses (T, 3) from the true start, and the sightings (M, 2) m carried into W."""
+def _dead_reckoned(seed: int, noise: float):
+    """The log, the dead-reckoned poses (T, 3) from the true start, and the observations (M, 2) m carried into W."""
     log, truth = simulate.fifteen_objects(seed, noise)
     poses = se2.dead_reckoning(log.odometry, truth.poses[0])
     return log, poses, se2.apply(poses[log.obs_time], log.obs_xy)
 
 
 def _draw_room(ax, truth, log) -> dict:
-    """The truth, and one collection of markers for the sightings of every class."""
+    """The truth, and one collection of markers for the observations of every class."""
     world = truth.world
     plotting.plot_trajectory(ax, truth.poses, truth=True)
     plotting.plot_objects(ax, world.object_xy, world.object_class, world.class_names, truth=True)
@@ -61,9 +61,9 @@ def _draw_room(ax, truth, log) -> dict:
     plotting.plot_objects(ax, log.obs_xy, log.obs_class, world.class_names, sizes=14, alpha=0.55)
     classes = np.unique(log.obs_class)
     last = path_handles(("estimated path",))[0]
-    believed_end = plotting.style.Line2D([], [], marker="X", markersize=10, color="#1a1a1a", linestyle="none")
-    believed_end.set_label("believed end")
-    handles = class_handles(classes, world.class_names) + [last, believed_end]
+    end = plotting.style.Line2D([], [], marker="X", markersize=10, color="#1a1a1a", linestyle="none")
+    end.set_label("believed end")
+    handles = class_handles(classes, world.class_names) + [last, end]
     legend_beside(ax, handles + path_handles(("true path", "true object")))
     ax.set_title("every sighting a new object", fontsize=plotting.style.TEXT_SIZE["title"])
     return dict(zip(classes.tolist(), ax.collections[known:], strict=True))
@@ -73,7 +73,7 @@ def _fix_limits(ax, truth, seed: int) -> None:
     """Axes that hold everything at every noise, so that they stand still under the slider."""
     points = [truth.poses[:, :2], truth.world.object_xy]
     for noise in np.linspace(0.0, HIGHEST_NOISE, 4):
-        _, poses, xy = _believed(seed, noise)
+        _, poses, xy = _dead_reckoned(seed, noise)
         points += [poses[:, :2], xy]
     low, high = np.concatenate(points).min(axis=0) - 0.4, np.concatenate(points).max(axis=0) + 0.4
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))

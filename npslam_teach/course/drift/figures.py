@@ -7,12 +7,12 @@ from npslam_teach.plotting.style import class_handles, legend_below, path_handle
 
 
 def frame_by_frame_figure():
-    """The toy scene twice: sightings along the true path, and along the path that the wheels report."""
+    """The toy scene twice: observations along the true path, and along the odometry path."""
     log, truth = simulate.toy_objects()
     figure, (left, right) = plotting.new_figure(1, 2, (13.0, 4.7), sharex=True, sharey=True)
     pictures.plot_frame_by_frame(left, log, truth.poses, truth, "if the path were known: sightings coincide")
     for text in left.texts:
-        text.set_visible(False)  # two sightings of one object lie on each other here
+        text.set_visible(False)  # two observations of one object lie on each other here
     wheels = se2.dead_reckoning(log.odometry)
     pictures.plot_frame_by_frame(right, log, wheels, truth, "believing the wheels: 8 sightings, 8 objects")
     right.set_ylabel("")

@@ -1,4 +1,4 @@
-"""Drift: robots on a map, the toy scene as the wheels report it, clouds of runs and the ellipses meant to hold them."""
+"""Drift: robots on a map, the toy scene along the odometry path, clouds of runs and their predicted ellipses."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -40,12 +40,12 @@ def plot_two_orders(ax: Axes, steps: np.ndarray, names: tuple) -> Axes:
 
 
 def plot_frame_by_frame(ax: Axes, log: RobotLog, poses: np.ndarray, truth: GroundTruth, title: str) -> Axes:
-    """Every sighting an object of its own, ``Obj_1`` and so on, along a path that is believed (deck figure 5).
+    """Every observation an object of its own, ``Obj_1`` and so on, along a given path (deck figure 5).
 
     Args:
         ax: a map.
-        log: few sightings: each gets its name.
-        poses: (T, 3) m, m, rad, W: the path that the sightings are carried into W along.
+        log: few observations: each gets its name.
+        poses: (T, 3) m, m, rad, W: the path along which the observations are carried into W.
         truth: the true path dashed, the true objects as grey rings.
         title: of the map.
     """
@@ -59,14 +59,14 @@ def plot_frame_by_frame(ax: Axes, log: RobotLog, poses: np.ndarray, truth: Groun
     plot_objects(ax, seen_at, log.obs_class, world.class_names)
     for k, xy in enumerate(seen_at):
         place = {"xytext": (11, 0), "textcoords": "offset points", "va": "center", "fontsize": TEXT_SIZE["tick"]}
-        # On white, so that the rays behind it cannot be taken for strokes of the letters.
+        # On white, so that the rays behind it are not mistaken for strokes of letters.
         ax.annotate(f"Obj_{k + 1}", xy, zorder=4, bbox={"facecolor": "white", "linewidth": 0, "pad": 0.6}, **place)
     ax.margins(0.06, 0.1)
     return label_map(ax, title)
 
 
 def plot_cloud(ax: Axes, ends_xy: np.ndarray, mean: np.ndarray, cov: np.ndarray) -> Axes:
-    """Where many runs ended, and the ellipse that first-order propagation promises for 95 % of them.
+    """Where many runs ended, and the ellipse that should hold 95 % of them by first-order propagation.
 
     Args:
         ax: a map; several clouds share one legend.
@@ -84,7 +84,7 @@ def plot_cloud(ax: Axes, ends_xy: np.ndarray, mean: np.ndarray, cov: np.ndarray)
 
 
 def plot_growth(ax: Axes, predicted: np.ndarray, errors: np.ndarray) -> Axes:
-    """How far off the position is expected to be along the path, and how far it was in several runs.
+    """The expected error of the position along the path, and the errors of several runs.
 
     Args:
         ax: any axes.

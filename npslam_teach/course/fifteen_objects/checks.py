@@ -118,7 +118,7 @@ def _mistake_in_rand(answer: float, true_labels: np.ndarray, labels: np.ndarray)
         np.count_nonzero(m & pair) for m in (in_true & in_found, in_true, in_found, pair)
     )
     expected, mean = true_pairs * found_pairs / pairs, (true_pairs + found_pairs) / 2
-    # The same with both orders of a pair and with pairs of a sighting and itself.
+    # The same with both orders of a pair and with pairs of an observation and itself.
     own = [np.count_nonzero(m) for m in (in_true & in_found, in_true, in_found, np.ones(in_true.shape))]
     own_expected = own[1] * own[2] / own[3]
     mistakes = {

@@ -1,4 +1,4 @@
-"""The explorer of lesson 07: alpha and the threshold run the whole method anew."""
+"""The explorer of lesson 07: the whole method is run for every alpha and threshold."""
 
 from npslam_teach import plotting
 from npslam_teach.course.explorers import Explorer, choice, slider
@@ -13,14 +13,14 @@ ITERATIONS = 5
 
 
 def explore_method(log: RobotLog, truth: GroundTruth) -> Explorer:
-    """Choose alpha and the rule of acceptance; five rounds are run, and the result is laid over the truth.
+    """Choose alpha and the rule of acceptance; five rounds are run, and the result is aligned to the truth.
 
     Args:
         log: what the robot measured; a run must take a fraction of a second.
         truth: drawn behind.
     """
     figure, (left, right) = plotting.new_figure(1, 2, (11.5, 5.6), width_ratios=(1.5, 1))
-    # Frame by frame lies furthest from the truth; every other result fits into its window.
+    # The result of frame-by-frame is the largest; the limits of its map hold every other result too.
     move_map = moving_map.plot_moving_map(left, [next(np_graph(log))], log, truth)
     (curve,) = right.plot([], [], "o-", color=ESTIMATE_COLOR, markersize=8)
     num_true = len(truth.world.object_xy)

@@ -11,7 +11,7 @@ from npslam_teach.types import GroundTruth, RobotLog, Snapshot
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """One scene and what every method made of it."""
+    """One scene and the results of every method."""
 
     log: RobotLog
     truth: GroundTruth
@@ -24,7 +24,7 @@ class Comparison:
 
 
 def truth_figure(comparison: Comparison):
-    """Deck figure 14: where everything really is."""
+    """Deck figure 14: the true objects and path."""
     figure, ax = plotting.new_figure(size=(8.0, 6.0))
     plotting.plot_truth(ax, comparison.truth)
     return figure

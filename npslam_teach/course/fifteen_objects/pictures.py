@@ -1,4 +1,4 @@
-"""Pictures of lesson 07: what became of many rooms, and of every pair of settings."""
+"""Pictures of lesson 07: the results of many rooms, and of every pair of settings."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,7 +15,7 @@ def plot_rooms(ax: Axes, found, errors, num_objects_true: int = 15) -> Axes:
         ax: any axes.
         found: (N,) numbers of objects.
         errors: (N,) m, mean pose errors.
-        num_objects_true: rooms that end with it are marked as such.
+        num_objects_true: rooms with this number of objects are marked.
     """
     found, errors = np.asarray(found), np.asarray(errors)
     exact = found == num_objects_true
@@ -37,7 +37,7 @@ def plot_settings(ax: Axes, counts: np.ndarray, alphas, thresholds, num_objects_
         counts: (A, P, N) objects found for each alpha, each threshold and each room.
         alphas: (A,).
         thresholds: (P,); None stands for "the most probable wins".
-        num_objects_true: what is right.
+        num_objects_true: the right number.
     """
     medians, right = np.median(counts, axis=2), np.count_nonzero(counts == num_objects_true, axis=2)
     # Light where the number is small: dark text on it, white text on the dark cells.
@@ -54,4 +54,5 @@ def plot_settings(ax: Axes, counts: np.ndarray, alphas, thresholds, num_objects_
     ax.set_title("median number of objects, and rooms with the right number", fontsize=TEXT_SIZE["title"])
     bar = ax.figure.colorbar(image, ax=ax)
     bar.set_label("objects (number, log scale)", fontsize=TEXT_SIZE["label"])
+    bar.ax.tick_params(which="both", labelsize=TEXT_SIZE["tick"])
     return ax

@@ -195,13 +195,13 @@ def _unknown_difference(k: int, parts: list, trial: tuple, variant: Callable) ->
 
 
 def _best(squared_distance: np.ndarray, gate: float) -> np.ndarray:
-    """Every way to match one to one or leave out (which costs the gate), by trying: the cheapest."""
-    num_sightings, num_objects = squared_distance.shape
-    choices = list(range(num_objects)) + [-1] * num_sightings
+    """The cheapest one-to-one matching, where leaving one out costs the gate, by trying all of them."""
+    num_observations, num_objects = squared_distance.shape
+    choices = list(range(num_objects)) + [-1] * num_observations
     leave_out = 1e9 if np.isinf(gate) else gate
-    cost = np.column_stack([squared_distance, np.full(num_sightings, leave_out)])
-    rows = np.arange(num_sightings)
-    return np.array(min(set(permutations(choices, num_sightings)), key=lambda each: cost[rows, list(each)].sum()))
+    cost = np.column_stack([squared_distance, np.full(num_observations, leave_out)])
+    rows = np.arange(num_observations)
+    return np.array(min(set(permutations(choices, num_observations)), key=lambda each: cost[rows, list(each)].sum()))
 
 
 def _nearest(squared_distance: np.ndarray, gate: float) -> np.ndarray:

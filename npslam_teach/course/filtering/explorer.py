@@ -1,4 +1,4 @@
-"""The filter's gates at one moment: two sliders decide what is matched, what is left out and what is new."""
+"""The filter's gates at one pose: two sliders decide what is matched, what is left out and what is new."""
 
 from itertools import islice
 
@@ -15,16 +15,16 @@ WIDEST = 6.0  # standard deviations
 
 
 def explore_gate(log: RobotLog, time: int, class_names: tuple, labels=None) -> Explorer:
-    """Stop the filter before it uses the sightings of one pose, and move its gates.
+    """Stop the filter before it uses the observations of one pose, and move its gates.
 
     Args:
         log: what the robot measured.
         time: the pose.
         class_names: (C,).
-        labels: (M,) who is who until then, told instead of decided; see ``filter_steps``.
+        labels: (M,) known associations, used instead of decisions before that pose; see ``filter_steps``.
 
     Raises:
-        ValueError: at this pose nothing is seen that could be one of the objects known by then.
+        ValueError: no observation of this pose has the class of an object that is in the map by then.
     """
     if not 0 <= time < log.num_poses:
         raise ValueError(f"time: expected a pose from 0 to {log.num_poses - 1}, got {time}")
@@ -45,7 +45,7 @@ def explore_gate(log: RobotLog, time: int, class_names: tuple, labels=None) -> E
 
 
 def in_words(picture: pictures.GateMap, answers: list[str], gate: float, second_gate: float, nearest: int = 3) -> str:
-    """The gates, and for every sighting its distances to the nearest objects and what becomes of it."""
+    """The gates, and for every observation its distances to the nearest objects and the decision."""
     share = 100 * evaluation.share_within(gate)
     parts = [
         f"Gates at {gate:.1f} and {second_gate:.1f} standard deviations; {share:.1f} % of right matches pass the first."

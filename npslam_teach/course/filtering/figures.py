@@ -1,4 +1,4 @@
-"""Figure 20, which the deck does not have: two chairs within the gate, and one confidence whatever the answer."""
+"""Figure 20, which the deck does not have: two chairs within the gate; either makes the filter equally sure."""
 
 from dataclasses import replace
 
@@ -10,14 +10,14 @@ from npslam_teach.methods.gating import squared_gates
 from npslam_teach.plotting.maps import plot_robots
 from npslam_teach.plotting.style import ESTIMATE_COLOR, TRUTH_COLOR, Line2D, class_handles, legend_below
 
-# Who is who in the toy scene when Obj_4 and Obj_6 are left out, so that Obj_5 is all there is to correct the slip.
+# Associations in the toy scene when Obj_4 and Obj_6 are left out, so that only Obj_5 can correct the slip.
 RIGHT = (0, 1, 2, -1, 1, -1, 3, 4)
 WRONG = (0, 1, 2, -1, 0, -1, 3, 4)
 POSE = 4
 
 
 def two_answers_figure():
-    """Left, the gates before Obj_5 is used; right, the belief after it was given to either chair."""
+    """Left, the gates before Obj_5 is used; right, the belief after it is associated with either chair."""
     log, truth = simulate.toy_objects()
     world = truth.world
     figure, (left, right) = plotting.new_figure(1, 2, (12.0, 5.4), sharex=True, sharey=True)

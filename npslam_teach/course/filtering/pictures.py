@@ -62,7 +62,7 @@ def object_names(object_class: np.ndarray, class_names: tuple) -> list[str]:
 
 
 class GateMap:
-    """A map of one moment of a filter: what it expects, what it sees, and what its gates decide.
+    """A map of one step of a filter: the objects it knows, the observations, and the decisions of its gates.
 
     The artists are made once; ``decide`` moves them.
     """
@@ -72,14 +72,14 @@ class GateMap:
 
         Args:
             ax: a map.
-            step: of a filter; its own decision is not looked at.
+            step: of a filter; its own decision is ignored.
             log: what it runs on.
             class_names: (C,).
         """
         self.ax, self.step, self.log = ax, step, log
         self.names = object_names(step.object_class, class_names)
         seen_class = log.obs_class[step.observations]
-        # When a filter is told who is who, its distances do not look at classes; gates do.
+        # With known associations the distances of a filter ignore classes; gates do not.
         rivals = seen_class[:, None] == step.object_class
         self.squared_distance = np.where(rivals, step.squared_distance, np.inf)
         self.seen_at = se2.apply(step.prior_mean[:3], log.obs_xy[step.observations])
@@ -87,7 +87,7 @@ class GateMap:
         landmarks = landmarks_of(step.prior_mean)
         plot_objects(ax, landmarks, step.object_class, class_names, sizes=110)
         plot_robots(ax, step.prior_mean[None, :3])
-        for index in self.gates[0]:  # names of the others would only crowd the map
+        for index in self.gates[0]:  # the others have no gate, and their names would crowd the map
             _write_beside(ax, self.names[index], landmarks[index], (0, -15), "center")
         ax.plot(*self.seen_at.T, "x", color=ESTIMATE_COLOR, markersize=10, markeredgewidth=2.5, zorder=3.5)
         self.ties = [ax.plot([], [], color=ESTIMATE_COLOR, linewidth=1.5, zorder=2.2)[0] for _ in self.seen_at]
@@ -95,11 +95,11 @@ class GateMap:
         label_map(ax, f"before the sightings of pose {step.time} are used")
 
     def decide(self, gate: float, second_gate: float) -> list[str]:
-        """Open the gates so far, and say what becomes of each sighting.
+        """Set the gates, and return the decision for each observation.
 
         Args:
             gate: a Mahalanobis distance.
-            second_gate: another; where it is the smaller one, the gate counts for both.
+            second_gate: another; if it is smaller than ``gate``, both are ``gate``.
         """
         second_gate = max(gate, second_gate)
         for lines, radius in zip(self.gates, (gate, second_gate), strict=True):
@@ -117,7 +117,7 @@ class GateMap:
         return words
 
     def frame(self, radius: float) -> None:
-        """Fix the limits so that gates up to this Mahalanobis distance fit on the map."""
+        """Fix the limits of the map so that gates up to this Mahalanobis distance fit."""
         self.decide(radius, radius)
         self.ax.relim()
         self.ax.autoscale_view()
@@ -131,7 +131,7 @@ class GateMap:
 def gate_outline(
     mean: np.ndarray, cov: np.ndarray, index: int, observation_std: np.ndarray, radius: float
 ) -> np.ndarray:
-    """Where a sighting of an object may land and still pass its gate; (100, 2) m, W.
+    """The border of the region where an observation of an object passes its gate; (100, 2) m, W.
 
     The gate is an ellipse in the frame of the robot; the mean pose carries it into the world.
 
@@ -147,7 +147,7 @@ def gate_outline(
 
 
 def _write_beside(ax: Axes, text: str, xy: np.ndarray, offset: tuple, align: str = "left"):
-    """A name beside a marker, on white so that no line behind it is taken for a stroke; returns the annotation."""
+    """A name beside a marker, on white so that lines behind it are not mistaken for strokes; returns the annotation."""
     place = {"xytext": offset, "textcoords": "offset points", "ha": align, "va": "center"}
     back = {"facecolor": "white", "linewidth": 0, "pad": 0.8, "alpha": 0.85}
     return ax.annotate(text, xy, fontsize=TEXT_SIZE["tick"], zorder=4, bbox=back, **place)
@@ -207,7 +207,7 @@ def plot_spread(ax: Axes, errors: dict) -> Axes:
     """
     for row, (name, values) in enumerate(errors.items()):
         style = {key: spread_style(name)[key] for key in ("color", "marker")}
-        # A little up and down, the same for every method, so that dots on each other can be told apart.
+        # Spread a little up and down, alike for every method, so that equal values do not hide each other.
         up = row + 0.18 * np.linspace(-1, 1, len(values))
         ax.plot(
             values, up, linestyle="none", markersize=9, markeredgecolor=ESTIMATE_COLOR, markeredgewidth=0.6, **style
@@ -221,7 +221,7 @@ def plot_spread(ax: Axes, errors: dict) -> Axes:
 
 
 def spread_style(name: str) -> dict:
-    """The style of a method, whatever follows a comma in its name; of what is no method, a black star."""
+    """The style of a method, without what follows a comma in its name; a black star if there is no such method."""
     try:
         return method_style(name.split(",")[0])
     except ValueError:

@@ -1,4 +1,4 @@
-"""Lesson 08: how many sightings must an object have before it is believed? Any method's result, epsilon on a slider."""
+"""The explorer of lesson 08: how many observations make an object valid? The map of any method, epsilon on a slider."""
 
 import math
 
@@ -27,10 +27,10 @@ EPSILONS = np.arange(2, 51) / 100
 
 
 def explore_office(snapshots: dict[str, Snapshot], log: RobotLog, truth: GroundTruth) -> Explorer:
-    """A map of the valid objects, and how their number and their sightings depend on epsilon.
+    """A map of the valid objects, and how their number and their observations depend on epsilon.
 
     Args:
-        snapshots: the result of each method before its false positives were taken away, by its name.
+        snapshots: the result of each method before false positives are removed, by its name.
         log: what they were made from.
         truth: for the map alone.
 
@@ -48,7 +48,7 @@ def explore_office(snapshots: dict[str, Snapshot], log: RobotLog, truth: GroundT
 
 
 class _Update:
-    """Moves the artists; makes them once."""
+    """Makes the artists once, and moves them."""
 
     def __init__(self, ax, left, right, snapshots, log, truth):
         self.snapshots, self.log = snapshots, log
@@ -65,7 +65,7 @@ class _Update:
         self.title = ax.title
         left.axhline(self.num_true, **TRUTH_LINE)
         self.counts = _curve(left, "valid objects (number)")
-        # Linear to ten and logarithmic beyond, so that none, forty and a thousand all find a place.
+        # Linear to ten and logarithmic beyond, so that zero, forty and a thousand can all be shown.
         left.set_yscale("symlog", linthresh=10)
         left.set_yticks([0, 10, 100, 1000], ["0", "10", "100", "1000"])
         left.set_ylim(-0.5, 2 * max(log.num_observations, 50))
@@ -86,7 +86,7 @@ class _Update:
             line.set_data(EPSILONS, curve)
             dot.set_data([epsilon], [value])
         self.title.set_text(f"{method}, {now.num_valid} valid objects")
-        # 1 / (m + 1) <= epsilon; the tiny number is for an epsilon such as 0.1, which is not one tenth exactly.
+        # 1 / (m + 1) <= epsilon; 1e-9 is for values such as 0.1, which are not exact in binary.
         least = max(math.ceil(1 / epsilon - 1 - 1e-9), 1)
         share = 100 * now.num_inliers / max(self.log.num_observations, 1)
         return (

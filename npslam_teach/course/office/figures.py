@@ -1,4 +1,4 @@
-"""Deck figures 18 and 19: from a detection to a sighting, and the office as every method maps it."""
+"""Deck figures 18 and 19: from a detection to an observation, and the maps of the office by every method."""
 
 from functools import cache
 
@@ -27,7 +27,7 @@ def _frame():
 
 @cache
 def _results():
-    """The log, the truth, and what each of the paper's methods makes of the office, its valid objects only."""
+    """The log, the truth, and the result of each of the paper's methods, with its valid objects only."""
     log, truth = office()
     std = {"odometry_std": log.odometry_std, "observation_std": log.observation_std}
     return log, truth, {name: valid_only(list(METHODS[name](log, **std))[-1], EPSILON) for name in PAPERS}

@@ -1,4 +1,4 @@
-"""The pictures of lesson 08: from a box in an RGB-D frame to a sighting, and an office mapped by several methods."""
+"""Pictures of lesson 08: from a box in an RGB-D frame to an observation, and the office mapped by several methods."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -26,7 +26,7 @@ from npslam_teach.plotting.style import (
 )
 from npslam_teach.types import GroundTruth, RobotLog, Snapshot
 
-# The three ways to a centre: marker and colour, told apart by both.
+# Three estimates of a centre: their markers and colours.
 CENTRES = {"mean": ("X", "#d45e00"), "median": ("D", "#38ba8d"), "foreground": ("o", "#00659f")}
 
 
@@ -51,7 +51,7 @@ def plot_picture(ax: Axes, frame, class_names, chosen: int | None = None) -> Axe
 
 
 def _label_pixels(ax: Axes, title: str) -> Axes:
-    label_axes(ax, "column u (px)", "row v (px)", title).grid(False)  # lines would be taken for edges in the picture
+    label_axes(ax, "column u (px)", "row v (px)", title).grid(False)  # its lines would look like edges in the picture
     return ax
 
 
@@ -109,7 +109,7 @@ def plot_cloud(ax: Axes3D, frame, box, every: int = 3) -> Axes3D:
         ax: axes in space.
         frame: an ``RgbdFrame``.
         box: (4,) px.
-        every: of how many rows and columns one is drawn.
+        every: one of so many rows and columns is drawn.
     """
     height, width = frame.depth.shape
     thin = np.zeros_like(frame.depth)
@@ -125,15 +125,15 @@ def plot_cloud(ax: Axes3D, frame, box, every: int = 3) -> Axes3D:
 
 
 def plot_office_3d(ax: Axes3D, snapshot: Snapshot, log: RobotLog, truth: GroundTruth | None = None) -> Axes3D:
-    """A result as the deck shows it, flat on the floor in a picture with three axes (deck figure 19).
+    """A result on the floor of axes with three dimensions, as in the deck (deck figure 19).
 
-    The third axis is free, so each object stands on a stem as high as the number of its sightings.
+    The third axis is free, so each object stands on a stem as high as the number of its observations.
 
     Args:
         ax: axes in space.
         snapshot: the estimate.
         log: what it was made from.
-        truth: the estimate is laid over it, and its path is drawn, when given.
+        truth: when given, the estimate is aligned to it and its path is drawn.
     """
     poses, landmarks = laid_over_truth(snapshot, truth)
     counts, object_class = snapshot.votes[:, 1:].sum(axis=1), classes_of(snapshot)
@@ -185,9 +185,9 @@ def office_3d_figure(
     for ax, (name, snapshot) in zip(axes.flat, snapshots.items(), strict=False):
         plot_office_3d(ax, snapshot, log, truth).set_title(f"{name}: {how_many(snapshot)}", fontsize=TEXT_SIZE["title"])
         ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(0, highest))
-        # A metre as long along x as along y.
+        # Equal scales along x and y.
         ax.set_box_aspect([*(high - low), 0.55 * (high - low).max()], zoom=1.05)
-    # The layout that shrinks gaps takes axes in space for flat ones and cuts their labels.
+    # The automatic layout cuts the labels of 3D axes.
     figure.set_layout_engine(None)
     figure.subplots_adjust(
         left=0.02, right=0.96, bottom=0.9 / figure.get_figheight(), top=0.96, wspace=0.06, hspace=0.1
@@ -214,7 +214,7 @@ def quality_figure(qualities: dict[str, list], num_true: float | None = None) ->
         for row, (name, runs) in enumerate(qualities.items()):
             values = np.array([getattr(each, measure) for each in runs], dtype=float)
             looks = {key: method_style(name)[key] for key in ("color", "marker")}
-            spread = row + 0.24 * np.linspace(-1, 1, len(values))  # a row each would hide equal values
+            spread = row + 0.24 * np.linspace(-1, 1, len(values))  # on one line equal values would hide each other
             ax.plot(values, spread, linestyle="none", markersize=8, markeredgecolor="white", **looks)
         label_axes(ax, label, "")
         ax.set_xlim(left=min(0.0, ax.get_xlim()[0]))
@@ -234,7 +234,7 @@ def frame_figure(frame, class_names, chosen: int) -> Figure:
 
 
 def centre_figure(frame, chosen: int, true_xy=None) -> Figure:
-    """The point cloud and what it says about the centre of one box (deck figure 18, second half)."""
+    """The point cloud and the centres of one box (deck figure 18, second half)."""
     figure = new_figure(1, 1, (12.5, 4.6))[0]
     figure.clear()
     figure.set_layout_engine(None)

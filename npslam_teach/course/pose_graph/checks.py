@@ -65,7 +65,7 @@ def check_observation_jacobian(student: Callable) -> Verdict:
 def check_between_residual(student: Callable) -> Verdict:
     """Exercise 3: ``(pose_i, pose_j, measured)`` to (3,) m, m, rad, in the frame of pose i, the angle wrapped."""
     rng = np.random.default_rng(3)
-    # The last three cross the seam at 180 degrees: one heading and the next, or the turn and what was measured of it.
+    # The last three cross 180 degrees: between the two headings, or between the turn and its measurement.
     headings = [(0.3, 0.9), (1.2, -0.4), (3.0, -3.0), (-3.1, 3.1), (-0.1, 3.0)]
     for theta_i, theta_j in headings:
         pose_i, pose_j = np.append(rng.uniform(-3, 3, 2), theta_i), np.append(rng.uniform(-3, 3, 2), theta_j)
@@ -133,7 +133,7 @@ def _about_the_gauge(verdict: Verdict, size: int) -> Verdict:
 
 
 def _held(H: np.ndarray, b: np.ndarray, free: slice) -> np.ndarray:
-    """The step when all unknowns but ``free`` stand still."""
+    """The step when all unknowns but ``free`` are held fixed."""
     step = np.zeros(len(b))
     step[free] = -np.linalg.solve(H[free, free], b[free])
     return step
@@ -175,7 +175,7 @@ def _pose(rng: np.random.Generator) -> np.ndarray:
 
 
 def _compare(answer: np.ndarray, expected: np.ndarray, mistakes: list, hint: str = "") -> Verdict | None:
-    """None when right; else the mistake that gives this answer, or else where it differs."""
+    """None if the answer is right; else a verdict that names the mistake, or the entry that differs most."""
 
     def where():
         off = np.unravel_index(np.abs(answer - expected).argmax(), answer.shape)

@@ -25,15 +25,15 @@ from npslam_teach.types import GroundTruth, PoseGraph
 
 
 def bad_starts(seed: int = 0) -> tuple[dict[str, PoseGraph], GroundTruth]:
-    """A drive of 70 m in steps of 1 m with wheels that err by 0.1 m and 0.1 rad at each, and two bad guesses.
+    """A drive of 70 m in steps of 1 m, with odometry noise of 0.1 m and 0.1 rad per step, and two bad initial guesses.
 
-    Who is who is known; where anything is, is not: all objects start in the middle of the room.
+    Associations are known, positions are not: all objects start in the middle of the room.
 
     Args:
         seed: of the run and of the second guess; the room is that of ``fifteen_objects()``.
 
     Returns:
-        by name: the poses as the wheels report them, and the same thrown about by 2 m and 0.5 rad; and the truth.
+        by name: the odometry path, and the same with noise of 2 m and 0.5 rad on all poses but pose 0; and the truth.
     """
     rng = np.random.default_rng(seed)
     slippery = replace(simulate.paper_sensor(), odometry_std=(0.1, 0.1, 0.1))
@@ -56,7 +56,7 @@ def explore_gauss_newton(starts: dict[str, PoseGraph], true_xy: np.ndarray | Non
     """
     runs = {name: list(levenberg_marquardt(graph)) for name, graph in starts.items()}
     figure, (left, right) = plotting.new_figure(1, 2, (10.0, 5.2), width_ratios=(3, 2))
-    steps, sightings, objects = _empty_map(left)
+    steps, observations, objects = _empty_map(left)
     if true_xy is not None:
         plotting.plot_trajectory(left, true_xy, truth=True)
     _fix_limits(left, [step.graph for run in runs.values() for step in run])
@@ -68,7 +68,7 @@ def explore_gauss_newton(starts: dict[str, PoseGraph], true_xy: np.ndarray | Non
         iteration = min(iteration, len(run) - 1)
         graph = run[iteration].graph
         steps.set_segments(factor_graph.odometry_segments(graph))
-        sightings.set_segments(factor_graph.observation_segments(graph))
+        observations.set_segments(factor_graph.observation_segments(graph))
         objects.set_data(*graph.landmarks.T)
         curve.set_data(range(len(run)), [step.chi2 for step in run])
         here.set_data([iteration], [run[iteration].chi2])
@@ -94,19 +94,19 @@ def words(run: list[Iteration], iteration: int) -> str:
 
 
 def _empty_map(ax) -> tuple[LineCollection, LineCollection, Line2D]:
-    """The lines of the factors, and the objects, still without a place."""
-    steps, sightings = (
+    """The lines of the factors, and the objects, all without positions yet."""
+    steps, observations = (
         LineCollection([], **style) for style in (factor_graph.ODOMETRY_LINE, factor_graph.OBSERVATION_LINE)
     )
-    ax.add_collection(sightings)
+    ax.add_collection(observations)
     ax.add_collection(steps)
     color, marker = class_style(0)
     (objects,) = ax.plot([], [], linestyle="none", marker=marker, markersize=8, color=color, zorder=2.4)
-    return steps, sightings, objects
+    return steps, observations, objects
 
 
 def _fix_limits(ax, graphs: list[PoseGraph]) -> None:
-    """A window that holds every iteration of every start: what moves is the estimate."""
+    """Set limits that hold every iteration of every start, so that only the estimate moves."""
     points = np.concatenate([xy[:, :2] for graph in graphs for xy in (graph.poses, graph.landmarks)])
     low, high = points.min(axis=0) - 0.5, points.max(axis=0) + 0.5
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
@@ -114,12 +114,12 @@ def _fix_limits(ax, graphs: list[PoseGraph]) -> None:
 
 
 def _chi2_curve(ax, runs: dict[str, list[Iteration]]) -> tuple[Line2D, Line2D]:
-    """The fall of chi2 and the dot on it, on an axis that holds every run."""
+    """The curve of chi2 and the dot on it, on an axis that holds every run."""
     values = np.array([max(step.chi2, 1e-9) for run in runs.values() for step in run])
     (curve,) = ax.plot([], [], "o-", color=TRUTH_COLOR, markersize=5, linewidth=1.5)
     (here,) = ax.plot([], [], "o", color=ESTIMATE_COLOR, markersize=12, zorder=3)
     ax.set_yscale("log")
-    ax.minorticks_off()  # on a log axis they take a third of the time of a picture
+    ax.minorticks_off()  # on a log axis drawing them takes a third of the time
     longest = max(len(run) for run in runs.values())
     ax.set(xlim=(-0.4, longest - 0.6), ylim=(values.min() / 2, values.max() * 2))
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))

@@ -13,7 +13,7 @@ from npslam_teach.types import PoseGraph
 
 
 def toy_before_and_after() -> tuple[PoseGraph, PoseGraph]:
-    """The toy scene with known associations: along the wheels' path, and at the minimum of chi2."""
+    """The toy scene with known associations: along the odometry path, and at the minimum of chi2."""
     log, truth = simulate.toy_objects()
     poses = se2.dead_reckoning(log.odometry)
     after = fit(log, truth.obs_object, poses)
@@ -22,7 +22,7 @@ def toy_before_and_after() -> tuple[PoseGraph, PoseGraph]:
 
 
 def factor_graph_figure():
-    """Deck figure 12: what the wheels say, and what the solver makes of it."""
+    """Deck figure 12: the graph along the odometry path, and at the minimum of chi2."""
     _, truth = simulate.toy_objects()
     world = truth.world
     figure, axes = plotting.new_figure(1, 2, (11.0, 4.3), sharex=True, sharey=True)

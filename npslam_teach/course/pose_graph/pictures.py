@@ -1,4 +1,4 @@
-"""Pictures of lesson 03: the factor graph, how chi2 falls, where H has numbers, and how sure the answer is."""
+"""Pictures of lesson 03: where H and its factor have numbers, and chi2 over the iterations."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,7 +19,7 @@ from npslam_teach.pose_graph import Iteration
 from npslam_teach.pose_graph.fill_in import factor_pattern
 
 HAS_NUMBER, FILL = ESTIMATE_COLOR, "#e58fb1"
-CHI2_COLORS = ("#d45e00", ESTIMATE_COLOR)  # of the loop without precautions, and of the one with
+CHI2_COLORS = ("#d45e00", ESTIMATE_COLOR)  # of Gauss-Newton, and of Levenberg-Marquardt
 NUM_CELLS = 240  # of a sparsity picture, each way; larger matrices are drawn coarser
 
 
@@ -43,7 +43,7 @@ def sparsity_figure(panels: list, columns: int = 3) -> Figure:
 
 
 def plot_sparsity(ax: Axes, matrix, title: str) -> Axes:
-    """Where a matrix has numbers, and where its factor has more. Large matrices are drawn coarser than they are.
+    """Where a matrix has numbers, and where its factor has more; large matrices are drawn at a coarser resolution.
 
     Args:
         ax: any axes.

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from npslam_teach.association.dirichlet_process import log_partition_prior
-from npslam_teach.course.checking import Verdict, answer_of, as_array, judge_function, right, wrong
+from npslam_teach.course.checking import Verdict, answer_of, as_array, judge, judge_function, right, wrong
 
 
 def check_crp_probability(crp_probability: Callable) -> Verdict:
@@ -107,19 +107,9 @@ def _mistake_in_elimination(answer, h: np.ndarray, b: np.ndarray, n: int) -> Ver
         "the sign of what the poses add to the gradient is wrong": 2 * b[n:] - gradient,
         "minus the gradient: keep the sign of b": -gradient,
     }
-    for name, part, wanted, mistakes in (
-        ("your information", answer[0], information, of_information),
-        ("your gradient", answer[1], gradient, of_gradient),
-    ):
-        if part is ...:
-            return wrong(f"{name} is still the dots")
-        array, verdict = as_array(name, part, wanted.shape)
-        if verdict is not None:
-            return verdict
-        if not np.allclose(array, wanted):
-            message = next((m for m, other in mistakes.items() if np.allclose(array, other)), None)
-            return wrong(message or f"{name} is off: the first num_poses rows and columns of H are those of the poses")
-    return None
+    hint = "the first num_poses rows and columns of H are those of the poses"
+    parts = (("your information", information, of_information), ("your gradient", gradient, of_gradient))
+    return _judge_parts(answer, parts, hint)
 
 
 def check_summarise(summarise: Callable) -> Verdict:
@@ -154,18 +144,28 @@ def _mistake_in_summary(answer, partitions: np.ndarray, number: int) -> Verdict 
         "one sample alone, the last, is no probability": (partitions[-1][:, None] == partitions[-1]).astype(float),
         "one sample alone, the first, is no probability": (partitions[0][:, None] == partitions[0]).astype(float),
     }
-    for name, part, wanted, mistakes in (
-        ("your probability", answer[0], np.array(share), of_share),
-        ("your matrix", answer[1], together, of_pairs),
-    ):
+    hint = "compare labels within a sample, then average over the samples"
+    parts = (("your probability", np.array(share), of_share), ("your matrix", together, of_pairs))
+    return _judge_parts(answer, parts, hint)
+
+
+def _judge_parts(answer, parts: tuple, hint: str) -> Verdict | None:
+    """None if every part of the answer is right; else a verdict on the first that is not.
+
+    Args:
+        answer: as many parts.
+        parts: of each the name, the right value, and by message what a mistake gives.
+        hint: for an unknown mistake.
+    """
+    for part, (name, wanted, mistakes) in zip(answer, parts, strict=True):
         if part is ...:
             return wrong(f"{name} is still the dots")
         array, verdict = as_array(name, part, wanted.shape)
         if verdict is not None:
             return verdict
-        if not np.allclose(array, wanted):
-            message = next((m for m, other in mistakes.items() if np.allclose(array, other)), None)
-            return wrong(message or f"{name} is off: compare labels within a sample, then average over the samples")
+        verdict = judge(array, wanted, mistakes, f"{name} is off: {hint}")
+        if verdict is not None:
+            return verdict
     return None
 
 

@@ -1,4 +1,4 @@
-"""The explorers of lesson 11: the exact posterior under alpha and temperature, and a film of the annealing."""
+"""The explorers of lesson 11: the exact posterior under alpha and temperature, and the states of an annealing."""
 
 import math
 
@@ -45,7 +45,7 @@ class ExactPosterior:
         self.at_alpha_1 = log_p - self.num_objects * math.log(evidence.alpha)
 
     def probabilities(self, alpha: float = 1.0, temperature: float = 1.0) -> np.ndarray:
-        """Of every partition, (P,): the posterior to the power of one over the temperature, made to add up to one."""
+        """Of every partition, (P,): the posterior to the power of one over the temperature, normalised."""
         log_p = (self.at_alpha_1 + self.num_objects * math.log(alpha)) / temperature
         p = np.exp(log_p - log_p.max())
         return p / p.sum()
@@ -56,7 +56,7 @@ def explore_posterior(exact: ExactPosterior, true_labels: np.ndarray) -> Explore
 
     Args:
         exact: of a few tracklets.
-        true_labels: (N,) in the order of first sight.
+        true_labels: (N,) numbered in the order of first observation.
     """
     figure, (left, right) = plotting.new_figure(1, 2, (11.5, 4.6), width_ratios=(1.7, 1))
     most = pictures.PartitionBars(left, ROWS, f"{ROWS} of {len(exact.partitions)} partitions")
@@ -89,15 +89,15 @@ def _words(exact: ExactPosterior, p: np.ndarray, order: list, by_number, alpha: 
 
 
 class AnnealingFilm:
-    """A map of the tracklets, tied to the objects that they are taken for, for every state of an annealing."""
+    """A map of the tracklets, with lines to their objects, for every state of an annealing."""
 
     def __init__(self, states: list[State], model: Model, truth: GroundTruth):
-        """Work out what every picture shows.
+        """Compute what every picture shows.
 
         Args:
             states: of one search, from hot to cold.
             model: with N tracklets.
-            truth: in whose world the map is drawn; every state is laid over it by its first pose.
+            truth: in whose frame the map is drawn; every state is moved so that its first pose is the true one.
         """
         self.states, self.model, self.truth = states, model, truth
         used = np.flatnonzero(model.tracklet >= 0)
@@ -109,14 +109,14 @@ class AnnealingFilm:
         self.colors = [self._colors(state.labels) for state in states]
 
     def _seen_at(self, path: np.ndarray, used: np.ndarray) -> np.ndarray:
-        """Where the sightings of each tracklet put it along a path, (N, 2) m, W."""
+        """The mean of the observations of each tracklet along a path, (N, 2) m, W."""
         log, tracklet = self.model.log, self.model.tracklet[used]
         xy = se2.apply(path[log.obs_time[used]], log.obs_xy[used])
         sums = [np.bincount(tracklet, weights=xy[:, axis]) for axis in (0, 1)]
         return np.column_stack(sums) / np.bincount(tracklet)[:, None]
 
     def _colors(self, labels: np.ndarray) -> list[str]:
-        """Of each tracklet: the objects of a class have colours of their own, in the order of first sight."""
+        """Of each tracklet: the objects of a class have different colours, in the order of first observation."""
         seen: dict = {}
         colors = []
         for label, c in zip(labels.tolist(), self.tracklet_class.tolist(), strict=True):
@@ -157,7 +157,7 @@ class AnnealingFilm:
         return ax.plot([], [], marker=marker, markersize=9, **style)[0]
 
     def handles(self) -> list:
-        """The legend: a marker for every class; colours tell the objects of a class apart."""
+        """The legend: a marker for every class; colours distinguish the objects of a class."""
         names = self.truth.world.class_names
         style = {"linestyle": "none", "color": "0.75", "markeredgecolor": ESTIMATE_COLOR, "markersize": 9}
         marks = [Line2D([], [], marker=CLASS_MARKERS[c], label=names[c], **style) for c in range(len(names))]
@@ -207,5 +207,5 @@ def annealing_words(film: AnnealingFilm, number: int) -> str:
 
 
 def object_style(object_class: int, rank: int) -> tuple[str, str]:
-    """The colour of the ``rank``-th object of its class, and the marker of the class: together they tell objects."""
+    """The colour of the ``rank``-th object of its class, and the marker of the class: together they identify it."""
     return CLASS_COLORS[rank % len(CLASS_COLORS)], class_style(object_class)[1]

@@ -1,6 +1,6 @@
-"""Pictures of lesson 11: partitions and how probable they are, tracklets on a map, samples, and how often one is right.
+"""Pictures of lesson 11: partitions and their probabilities, tracklets on a map, samples, and reliability.
 
-Sightings are numbered from 1, so that a partition reads ``{1 3} {2 4 7 8} {5 6}``.
+Observations are numbered from 1, so that a partition reads ``{1 3} {2 4 7 8} {5 6}``.
 """
 
 import numpy as np
@@ -27,7 +27,7 @@ from npslam_teach.plotting.style import (
 from npslam_teach.plotting.uncertainty import ellipse
 from npslam_teach.types import GroundTruth, RobotLog
 
-SAME_PLACE = 0.05  # m: sightings that are nearer to each other share one label
+SAME_PLACE = 0.05  # m: observations that are nearer to each other share one label
 TRUE_MARK = "  (true)"
 
 
@@ -39,7 +39,7 @@ def partition_name(labels) -> str:
 
 
 def plot_numbered_sightings(ax: Axes, log: RobotLog, truth: GroundTruth, title: str | None = None) -> Axes:
-    """Every sighting with its number where the wheels' path puts it, over the true path and the true objects.
+    """Every observation with its number along the odometry path, over the true path and the true objects.
 
     Args:
         ax: a map.
@@ -56,7 +56,7 @@ def plot_numbered_sightings(ax: Axes, log: RobotLog, truth: GroundTruth, title: 
     for k, point in enumerate(xy):
         near = np.flatnonzero(np.linalg.norm(xy - point, axis=1) < SAME_PLACE)
         if near[0] == k:
-            # Of neighbours side by side one is written above and one below.
+            # Of two close neighbours, one number is written above and one below.
             above = sum(np.linalg.norm(xy[near[0]] - each) < 0.45 for each in xy[:k]) > 0
             text = ", ".join(str(i + 1) for i in near)
             style = {"ha": "center", "va": "bottom" if above else "top", "fontsize": TEXT_SIZE["label"]}
@@ -84,10 +84,10 @@ def plot_atoms(ax: Axes, weight: np.ndarray, xy: np.ndarray, title: str) -> Axes
 
 
 class PartitionBars:
-    """Lying bars of the most probable partitions, their names beside them; ``show`` moves them."""
+    """Horizontal bars of the most probable partitions, their names beside them; ``show`` sets them."""
 
     def __init__(self, ax: Axes, rows: int, title: str):
-        """Bars of no length.
+        """Draw bars of zero length.
 
         Args:
             ax: any axes.
@@ -107,7 +107,7 @@ class PartitionBars:
         Args:
             partitions: labels of each.
             probabilities: of each.
-            true_labels: of the partition that is marked; in the order of first sight.
+            true_labels: of the partition that is marked; numbered in the order of first observation.
         """
         order = np.argsort(-probabilities, kind="stable")[: len(self.bars)].tolist()
         for bar, text, k in zip(self.bars, self.texts, order, strict=True):
@@ -115,14 +115,14 @@ class PartitionBars:
             bar.set(width=probabilities[k], facecolor=CLASS_COLORS[0] if is_true else "0.75")
             name = partition_name(partitions[k]) + TRUE_MARK * is_true
             text.set_text(f"{probabilities[k]:.3f}  {name}")
-            # Beside a short bar, and in a long one.
+            # Beside a short bar, inside a long one.
             inside = probabilities[k] > 0.5
             text.set(x=0.01 if inside else probabilities[k] + 0.01, color="white" if inside and is_true else "black")
         return order
 
 
 def plot_partitions(ax: Axes, partitions: list, probabilities: np.ndarray, true_labels=None, rows: int = 8) -> Axes:
-    """The most probable partitions as lying bars.
+    """The most probable partitions as horizontal bars.
 
     Args:
         ax: any axes.
@@ -222,7 +222,7 @@ def chains_figure(cases: dict) -> Figure:
 def _plot_running_means(ax: Axes, chains: np.ndarray, exact: float) -> None:
     counts = np.arange(1, chains.shape[1] + 1)
     for k, chain in enumerate(chains):
-        # Ever thinner: chains that do the same lie on each other.
+        # Later curves are thinner, because equal chains coincide.
         size = {"linewidth": max(4.0 - k, 1.2), "markersize": max(11.0 - 2 * k, 5.0)}
         style = {"color": CLASS_COLORS[k % 8], "marker": CLASS_MARKERS[k % 8]}
         style["markevery"] = (4 * k, max(len(chain) // 5, 1))
@@ -231,7 +231,7 @@ def _plot_running_means(ax: Axes, chains: np.ndarray, exact: float) -> None:
 
 
 def plot_reliability(ax: Axes, table: Reliability, title: str) -> Axes:
-    """How often what was given a probability is true.
+    """Of the pairs that were given a probability, the share that is really one object.
 
     Args:
         ax: any axes.

@@ -1,7 +1,7 @@
-"""Two scenes of eight sightings of chairs, fixed by hand: all 4140 partitions of each can be listed.
+"""Two scenes of eight observations of chairs, fixed by hand: all 4140 partitions of each can be listed.
 
-A robot drives around a square of 2 m and comes back to where it was. Nothing is random in them; what the wheels slip is
-written down. ``drawn_world`` has six sightings on the same round, of chairs that are drawn from the prior.
+A robot drives around a square of 2 m and comes back to where it was. Nothing is random in them: even the slip of the
+wheels is fixed. ``drawn_world`` has six observations on the same round, of chairs that are drawn from the prior.
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ ODOMETRY_STD, OBSERVATION_STD = (0.2, 0.05, 0.02), (0.1, 0.1)  # m, m, rad per s
 
 ROUND = np.array([[1.0, 0, 0], [1.0, 0, QUARTER], [2.0, 0, QUARTER], [2.0, 0, QUARTER], [2.0, 0, QUARTER], [1.0, 0, 0]])
 THREE_CHAIRS = np.array([[1.0, -1.0], [1.6, -1.0], [1.2, 3.0]])  # m: A, B, C
-SEEN = ((0, 0), (0, 1), (1, 0), (1, 1), (2, 2), (3, 2), (5, 1), (6, 1))  # sighting 1 ..: (pose, chair)
+SEEN = ((0, 0), (0, 1), (1, 0), (1, 1), (2, 2), (3, 2), (5, 1), (6, 1))  # observation 1 ..: (pose, chair)
 
 SLOW = np.array([[0.3, 0, 0]] * 3)
 SLOW_ROUND = np.concatenate([SLOW, [[1.1, 0, QUARTER]], [[2.0, 0, QUARTER]] * 3, SLOW])
@@ -32,9 +32,9 @@ DRAWN_AT, DRAWN_SIDE = (0, 1, 2, 4, 5, 6), 2.0  # poses, three before most of th
 
 
 def eight_sightings() -> tuple[RobotLog, GroundTruth]:
-    """Chairs A and B stand 0.6 m apart, C across the room; after the round one chair is seen twice more: B.
+    """Chairs A and B stand 0.6 m apart, C across the room; after the round chair B is observed twice more.
 
-    The wheels have slipped by 0.4 m on the way, so that along their path B is seen 0.2 m from A and 0.4 m from B.
+    The wheels slip by 0.4 m on the way, so that along the odometry path B is seen 0.2 m from A and 0.4 m from B.
     """
     steps = ROUND.copy()
     steps[3, 0] += SLIP
@@ -42,15 +42,15 @@ def eight_sightings() -> tuple[RobotLog, GroundTruth]:
 
 
 def four_and_four() -> tuple[RobotLog, GroundTruth]:
-    """Four sightings of a chair, a round, and four of a chair that stands 1.3 m further on; the wheels do not slip.
+    """Four observations of a chair, a round, and four of a chair that stands 1.3 m further on; the wheels do not slip.
 
-    Drift could have carried one chair that far: the same chair, or its twin?
+    Drift could explain that distance, so there may be one chair or two.
     """
     return _run(SLOW_ROUND, SLOW_ROUND, TWO_CHAIRS, SEEN_SLOWLY)
 
 
 def drawn_world(rng: np.random.Generator, noise: float = 1.0) -> tuple[RobotLog, GroundTruth]:
-    """Six sightings of chairs that a restaurant with alpha 1 seats, uniform over a square of 2 m.
+    """Six observations of chairs from a Chinese restaurant process with alpha 1, uniform over a square of 2 m.
 
     Args:
         rng: draws everything.
@@ -61,7 +61,7 @@ def drawn_world(rng: np.random.Generator, noise: float = 1.0) -> tuple[RobotLog,
 
 
 def evidence_of(log: RobotLog, alpha: float = 1.0, area: float = ROOM_AREA) -> TrackletEvidence:
-    """What a short log says of its sightings, each a tracklet of its own: linear around the wheels' path.
+    """What a short log says of its observations, each a tracklet of its own: linearised along the odometry path.
 
     Args:
         log: of at most 64 observations.

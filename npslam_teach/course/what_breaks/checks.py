@@ -127,7 +127,7 @@ def check_pass_distance(pass_distance: Callable) -> Verdict:
 
 
 def _by_single_rows(xy, cov, i, j) -> float:
-    """The covariance read as if landmark i had row i, and its neighbour the next."""
+    """The distance if the covariance is indexed as if landmark i had rows i and i + 1."""
     a, b = slice(i, i + 2), slice(j, j + 2)
     spread = cov[a, a] + cov[b, b] - cov[a, b] - cov[b, a]
     squared = (xy[i] - xy[j]) @ np.linalg.pinv(spread) @ (xy[i] - xy[j])

@@ -27,7 +27,7 @@ def results_of(scenes: dict) -> dict[tuple, Snapshot]:
 
 
 def explore_kernel(scenes: dict, results: dict[tuple, Snapshot]) -> Explorer:
-    """Choose noise and kernel width; nothing is run, so that the picture follows at once.
+    """Choose noise and kernel width; the results are computed in advance, so that the picture follows at once.
 
     Args:
         scenes: noise to (log, truth), for whole numbers without a gap.

@@ -10,7 +10,7 @@ NOISES = (1, 2, 3)
 
 
 def drift_figure():
-    """One room at three noises, every pass over an object a mark where the wheels carry it."""
+    """One room at three noises, with a mark for every pass over an object along the odometry path."""
     figure, axes = plotting.new_figure(1, 3, (13.0, 5.8), sharex=True, sharey=True)
     for ax, noise in zip(axes, NOISES, strict=True):
         log, truth = simulate.fifteen_objects(noise=noise)

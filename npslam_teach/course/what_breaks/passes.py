@@ -14,7 +14,7 @@ from npslam_teach.types import GroundTruth, RobotLog
 class Pairs(NamedTuple):
     """Pairs of passes over objects of one class, no two of them seen in one frame."""
 
-    metres: np.ndarray  # (N,) from one to the other, each pass a landmark of its own
+    metres: np.ndarray  # (N,) distance, each pass a landmark of its own
     deviations: np.ndarray  # (N,) the same as a Mahalanobis distance, by the joint covariance of the pose graph
     same: np.ndarray  # (N,) bool, whether both passes were really over one object
 
@@ -22,7 +22,7 @@ class Pairs(NamedTuple):
 def pairs_of_passes(log: RobotLog, truth: GroundTruth) -> Pairs:
     """All pairs of passes that might be one object.
 
-    Passes are the tracklets of ``methods.tracklets``, tied without any map; each becomes a landmark of its own.
+    Passes are the tracklets of ``methods.tracklets``, found without any map; each becomes a landmark of its own.
 
     Args:
         log: what the robot measured, whose noise counts.
@@ -44,5 +44,5 @@ def pairs_of_passes(log: RobotLog, truth: GroundTruth) -> Pairs:
 
 
 def reach(votes: float, alpha: float, kernel_std: float) -> float:
-    """The distance in m beyond which an observation opens a new object, beside one with so many votes."""
+    """The distance in m from an object with so many votes beyond which an observation opens a new object."""
     return kernel_std * np.sqrt(2 * np.log(max(votes / alpha, 1.0)))

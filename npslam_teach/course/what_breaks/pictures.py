@@ -24,7 +24,7 @@ from npslam_teach.types import GroundTruth, RobotLog
 
 SENSOR_LOOK = {"color": CLASS_COLORS[5], "marker": CLASS_MARKERS[6], "linestyle": "--"}
 NOISE_LINES = ("-", "--", "-.", ":")
-CAUSES = {  # the paper's method, and what is left of its failures when something is given to it; name to case
+CAUSES = {  # the paper's method alone, and with more rounds, true values or a scaled kernel; name to case
     "the paper's": "np-graph",
     "30 rounds": "30 rounds",
     "true poses": "true poses",
@@ -49,8 +49,8 @@ def plot_success(ax: Axes, cases: dict, of_used: tuple = (), faint: tuple = ()) 
     Args:
         ax: any axes.
         cases: name for the legend to case of the table.
-        of_used: names of what is judged by the observations that it uses; see ``table.right_of``.
-        faint: names of what is only to be hinted at.
+        of_used: names of those judged only by the observations that they use; see ``table.right_of``.
+        faint: names of those drawn faintly.
     """
     for name, case in cases.items():
         noises = table.noises_of(case)
@@ -81,7 +81,7 @@ def plot_setting(ax: Axes, setting: str, chosen=None):
         if chosen not in (None, noise):
             continue
         right, runs, low, high = np.array([table.share_of(case, noise) for case in values.values()]).T
-        # Curves a little beside each other, so that no interval covers another.
+        # Curves are shifted sideways a little, so that no interval covers another.
         x = np.arange(len(values)) + 0.08 * (k - (len(noises) - 1) / 2)
         color, marker = class_style(k)
         spread = [right / runs - low, high - right / runs]
@@ -139,14 +139,14 @@ def plot_pairs(ax: Axes, pairs: Pairs, reach: float, gate: float) -> Axes:
 
 
 def plot_passes(ax: Axes, log: RobotLog, truth: GroundTruth, kernel_std: float, gap: int = 20) -> Axes:
-    """A map along the wheels' path: where each pass over an object lands, those over one object joined by a line.
+    """A map along the odometry path: the position of each pass over an object; lines join passes over one object.
 
     Args:
         ax: a map.
         log: what the robot measured.
-        truth: says which passes are over one object; the path begins at its first pose.
+        truth: tells which passes are over one object; the path begins at its first pose.
         kernel_std: m; a circle in the corner shows it.
-        gap: poses; sightings of one object further apart are two passes.
+        gap: poses; observations of one object further apart are two passes.
     """
     poses = se2.dead_reckoning(log.odometry, truth.poses[0])
     xy = se2.apply(poses[log.obs_time], log.obs_xy)

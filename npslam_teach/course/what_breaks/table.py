@@ -1,4 +1,4 @@
-"""The runs of lesson 10, made in advance: ``success.csv``, which ``experiments.what_breaks`` makes anew."""
+"""The runs of lesson 10, made in advance: ``success.csv``, which ``experiments.what_breaks`` can make again."""
 
 from functools import cache
 from pathlib import Path
@@ -37,7 +37,7 @@ def right_of(case: str, noise: float, of_used: bool = False) -> np.ndarray:
     Args:
         case: of the table.
         noise: at which it was run.
-        of_used: whether the ARI is only of those observations that the method did not leave out.
+        of_used: take the ARI over only those observations that the method did not leave out.
     """
     rows = runs_of(case, noise)
     return np.array([is_right(row | {"ari": row["ari_used"]} if of_used else row) for row in rows])
@@ -56,7 +56,7 @@ def share_of(case: str, noise: float, of_used: bool = False) -> tuple[int, int, 
 
 
 def swept(setting: str) -> dict:
-    """The values of a setting that were run, and the case of each: the paper's own, and what changes it alone.
+    """The values of a setting that were run, the paper's own among them, and the case of each; nothing else is changed.
 
     Args:
         setting: "alpha", "threshold" or "kernel_std".

@@ -9,18 +9,18 @@ from npslam_teach.course.checking import BLANK, Verdict, answer_of, array_from, 
 
 
 def check_argmax(argmax_and_doubt: Callable) -> Verdict:
-    """Exercise 1: ``argmax_and_doubt(posteriors)`` returns the classes (M,) and what is thrown away (M,)."""
+    """Exercise 1: ``argmax_and_doubt(posteriors)`` returns the classes (M,) and the discarded probabilities (M,)."""
     rng = np.random.default_rng(0)
-    for num_sightings, num_classes in ((5, 3), (7, 4), (4, 4)):
-        posteriors = rng.dirichlet(np.ones(num_classes), num_sightings)
+    for num_observations, num_classes in ((5, 3), (7, 4), (4, 4)):
+        posteriors = rng.dirichlet(np.ones(num_classes), num_observations)
         answer, verdict = answer_of(argmax_and_doubt, posteriors.copy())
         if verdict is None and isinstance(answer, tuple | list) and len(answer) == 2:
             if any(is_blank(each) for each in answer):
                 return wrong(BLANK)
-            if np.shape(np.asarray(answer[0], dtype=object)) == (num_classes,) != (num_sightings,):
+            if np.shape(np.asarray(answer[0], dtype=object)) == (num_classes,) != (num_observations,):
                 return wrong("you have one class per column: every sighting is a row, look along axis 1")
         if verdict is None:
-            answer, verdict = as_array("the pair of classes and doubts", answer, (2, num_sightings))
+            answer, verdict = as_array("the pair of classes and doubts", answer, (2, num_observations))
         if verdict is not None:
             return verdict
         message = _argmax_mistake(posteriors, *answer)
@@ -52,13 +52,13 @@ def _argmax_mistake(posteriors: np.ndarray, classes: np.ndarray, doubt: np.ndarr
 BROKEN_RULES = {
     "this joins sightings of different classes: a cup is no chair": {"by_class": False},
     "everything joins: a sighting further away than the reach opens a new object": {"reach_counts": False},
-    "each sighting is compared with the first of an object only: compare it with every earlier one": {"founders": True},
+    "each sighting is compared with the first of an object only: compare it with every earlier one": {"firsts": True},
     "it joins the first sighting within reach, not the nearest": {"nearest": False},
 }
 
 
 def check_front_end(my_front_end: Callable) -> Verdict:
-    """Exercise 2: ``my_front_end(obs_xy_world, obs_class, reach)`` returns a label for each sighting, (M,)."""
+    """Exercise 2: ``my_front_end(obs_xy_world, obs_class, reach)`` returns a label for each observation, (M,)."""
     answers, trials = [], _clouds()
     for xy, obs_class, reach in trials:
         answer, verdict = array_from("the labels", my_front_end, (len(xy),), xy.copy(), obs_class.copy(), reach)
@@ -85,11 +85,11 @@ def _front_end_mistake(answers: list, trials: list) -> str:
     return "the number of objects is right, but they hold other sightings"
 
 
-def join(xy, obs_class, reach, by_class=True, reach_counts=True, founders=False, nearest=True) -> list:
-    """The front end in the words of the exercise, and with one rule of it broken."""
+def join(xy, obs_class, reach, by_class=True, reach_counts=True, firsts=False, nearest=True) -> list:
+    """The front end of the exercise; each of the last four arguments can break one of its rules."""
     labels, first = [], []
     for k in range(len(xy)):
-        candidates = [j for j in (first if founders else range(k)) if not by_class or obs_class[j] == obs_class[k]]
+        candidates = [j for j in (first if firsts else range(k)) if not by_class or obs_class[j] == obs_class[k]]
         distance = np.array([math.dist(xy[j], xy[k]) for j in candidates])
         within = np.flatnonzero(distance < (reach if reach_counts else np.inf))
         if len(within):
@@ -109,7 +109,7 @@ def _nearest_index(xy, obs_class, reach) -> list:
 
 
 def _clouds() -> list:
-    """Sightings in chains and clouds of two classes, where the rules differ."""
+    """Observations of two classes in chains and clouds, where the rules give different labels."""
     rng = np.random.default_rng(1)
     scenes = [(rng.uniform(0, 3, (25, 2)), rng.integers(0, 2, 25), reach) for reach in (0.3, 0.5, 0.7)]
     chain = np.column_stack([np.arange(6) * 0.4, np.zeros(6)])
@@ -127,7 +127,7 @@ def _same(answers: list, others: list) -> bool:
 
 
 def check_bell(bell: Callable) -> Verdict:
-    """Exercise 3: ``bell(n)``, the number of ways to group n sightings."""
+    """Exercise 3: ``bell(n)``, the number of ways to group n observations."""
     up_to, numbers, answers = range(1, 11), bell_numbers(11), []
     for n in up_to:
         answer, verdict = array_from("your count", bell, (), n)
@@ -145,7 +145,7 @@ def check_bell(bell: Callable) -> Verdict:
 
 
 def _other_counts(up_to: range, numbers: list) -> tuple:
-    """What else one may count instead of groupings, and how to say so."""
+    """Other counts that may be mistaken for that of the groupings, each with a message."""
     one_off = "this is one off: how many ways are there for one sighting, and for two"
     return (
         (numbers[2:12], one_off),
@@ -194,7 +194,7 @@ def check_alarm(alarm: Callable) -> Verdict:
         if len(set(answers)) == 1:
             return wrong(f"it {'always' if answers[0] else 'never'} rings")
         return wrong("it rings at another chi2 than dof + 3 sqrt(2 dof): check the degrees of freedom first")
-    # Nothing can contradict itself with an object for every sighting: what is left of chi2 is rounding.
+    # With an object for every observation nothing is contradictory: chi2 is only a rounding error.
     (rang,), verdict = _rings(alarm, [(1e-9, 8, 8)])
     if rang or verdict is not None:
         return wrong("with an object for every sighting there are 0 degrees of freedom: then it must not ring, or stop")
@@ -202,7 +202,7 @@ def check_alarm(alarm: Callable) -> Verdict:
 
 
 def _rings(alarm: Callable, trials: list) -> tuple[list, Verdict | None]:
-    """What the student's alarm says in every trial; or as far as it came, and a verdict."""
+    """The answers of the student's alarm in every trial; up to its first failure, with a verdict, if there is one."""
     answers = []
     for trial in trials:
         answer, verdict = array_from("the alarm", alarm, (), *trial)

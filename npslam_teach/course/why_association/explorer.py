@@ -1,4 +1,4 @@
-"""Give one sighting of the toy scene to another object, and watch what the pose graph makes of it."""
+"""Associate one observation of the toy scene with another object, and see how the pose graph changes."""
 
 from dataclasses import dataclass
 
@@ -21,13 +21,13 @@ from npslam_teach.pose_graph import chi2, fit
 from npslam_teach.types import PoseGraph, RobotLog
 
 OBJECTS = ("chair A", "chair B", "the screen", "the cup", "the ghost", "a new object")
-BELONGS_TO = np.array([0, 1, 2, 0, 1, 2, 3, 4])  # the object of each sighting, as it should be
+BELONGS_TO = np.array([0, 1, 2, 0, 1, 2, 3, 4])  # the object of each observation, as it should be
 WRONG_COLOR = CLASS_COLORS[3]  # of no class in this scene
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """The pose graph solved with one sighting given to some object."""
+    """The pose graph solved with one observation given to some object."""
 
     labels: np.ndarray  # (M,) index into the graph's landmarks
     objects: np.ndarray  # (K,) index into OBJECTS of each landmark
@@ -43,7 +43,7 @@ def reassign(log: RobotLog, sighting: int, to: int) -> Outcome:
 
 
 def explore_wrong_association() -> Explorer:
-    """Choose a sighting and the object it is given to; the map is solved anew (the toy scene of the deck)."""
+    """Choose an observation and the object it is given to; the map is solved anew (the toy scene of the deck)."""
     log, truth = simulate.toy_objects()
     as_it_should_be = reassign(log, 0, BELONGS_TO[0])
     figure, ax = plotting.new_figure(size=(9.0, 4.6))
@@ -56,7 +56,7 @@ def explore_wrong_association() -> Explorer:
 
     sightings = choice("sighting", {f"Obj_{k + 1}": k for k in range(log.num_observations)})
     objects = choice("is given to", {name: k for k, name in enumerate(OBJECTS)})
-    sightings.value, objects.value = 4, int(BELONGS_TO[4])  # the protagonist, where it belongs
+    sightings.value, objects.value = 4, int(BELONGS_TO[4])  # Obj_5, at its own object
     return Explorer(figure, update, sighting=sightings, to=objects)
 
 
@@ -75,7 +75,7 @@ def in_words(before: Outcome, after: Outcome, sighting: int, to: int) -> str:
 
 
 def _draw(ax, log, truth) -> dict:
-    """Everything once: the truth behind, and artists for whatever moves."""
+    """Draw the truth, and make the artists that will move."""
     world = truth.world
     plotting.plot_trajectory(ax, truth.poses, truth=True)
     plotting.plot_objects(ax, world.object_xy, world.object_class, world.class_names, truth=True)
@@ -100,14 +100,14 @@ def _draw(ax, log, truth) -> dict:
 
 
 def _move(artists: dict, log: RobotLog, outcome: Outcome, wrong: int | None) -> None:
-    """Bring every artist to the solved graph; the spring of the wrong sighting is thick and coloured."""
+    """Bring every artist to the solved graph; the spring of the wrong observation is thick and coloured."""
     graph, labels = outcome.graph, outcome.labels
     artists["path"].set_data(*graph.poses[:, :2].T)
     landed = se2.apply(graph.poses[log.obs_time], log.obs_xy)
     for k, spring in enumerate(artists["springs"]):
         spring.set_data(*np.stack([landed[k], graph.landmarks[labels[k]]]).T)
         spring.set(color=WRONG_COLOR if k == wrong else TRUTH_COLOR, linewidth=4.0 if k == wrong else 2.0)
-    # The class of an object is that of most of its sightings, of two even ones the lower.
+    # The class of an object is that of most of its observations; in a tie, the one with the lower index.
     members = [np.flatnonzero(labels == k) for k in range(len(graph.landmarks))]
     classes = np.array([np.bincount(log.obs_class[each]).argmax() for each in members])
     for c, markers in enumerate(artists["markers"]):

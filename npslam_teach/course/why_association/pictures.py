@@ -1,4 +1,4 @@
-"""Why association: a timeline, the two ways to divide the work, what a detector gives, and two factor graphs."""
+"""Why association: a timeline, the two ways to divide the work, the output of a detector, and two factor graphs."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -58,7 +58,7 @@ def plot_timeline(ax: Axes, events=EVENTS) -> Axes:
 
 
 def plot_split(ax: Axes) -> Axes:
-    """The front end that decides once, above the alternation that may change its mind (deck figure 2).
+    """The front end that decides once, above the alternation that can revise its decisions (deck figure 2).
 
     Args:
         ax: any axes; its frame is hidden.
@@ -102,7 +102,7 @@ BOXES = ((60, 190, 170, 240), (275, 90, 190, 214), (520, 225, 70, 75))  # px: co
 
 
 def plot_detections(image: Axes, bars: Axes, posteriors: np.ndarray, class_names) -> None:
-    """A drawn camera picture with three boxes, and beside it what the detector believes of each (deck figure 3).
+    """A drawn camera picture with three boxes, and beside it the class posterior of each (deck figure 3).
 
     Args:
         image: for the picture.
@@ -153,17 +153,17 @@ def _draw_bars(ax: Axes, posteriors: np.ndarray, class_names) -> None:
 
 POSE_XY = np.array([[1.0, 1.0], [4.0, 1.0], [7.0, 1.0]])
 CHAIR_XY = np.array([[2.5, 3.6], [5.8, 3.6]])
-SEEN = ((0, 0), (2, 1))  # pose, chair: sightings without doubt
+SEEN = ((0, 0), (2, 1))  # pose, chair: the unambiguous observations
 DOUBTFUL_POSE, SHARES = 1, (0.3, 0.7)  # one more, which may be of either chair
 
 
 def plot_factor_graph(ax: Axes, semantic: bool) -> Axes:
-    """Poses, chairs and what ties them together; one sighting is in doubt (deck figure 4).
+    """Poses, chairs and the factors between them; one observation is ambiguous (deck figure 4).
 
     Args:
         ax: any axes; its frame is hidden.
-        semantic: False: every sighting is tied to the one chair that it is now thought to be of, as in this course.
-            True: the doubtful one is tied to both, each tie weighted by the probability of its class and place.
+        semantic: False: every observation is tied to one chair, the current association, as in this course.
+            True: the ambiguous one is tied to both, each factor weighted by the probability of its class and place.
     """
     for start, end in zip(POSE_XY[:-1], POSE_XY[1:], strict=True):
         _factor(ax, start, end, ESTIMATE_COLOR)
@@ -213,11 +213,11 @@ def factor_handles() -> list[Line2D]:
 
 
 def plot_springs(ax: Axes, ends: np.ndarray, objects: np.ndarray) -> list[Line2D]:
-    """A line from where each sighting lands to the object it is given to: the longer, the more it pulls.
+    """A line from where each observation lands to the object it is given to: the longer, the more it pulls.
 
     Args:
         ax: a map.
-        ends: (M, 2) m, W: the sightings.
+        ends: (M, 2) m, W: the observations.
         objects: (M, 2) m, W: the object of each.
     """
     style = {"color": TRUTH_COLOR, "linewidth": 2.0, "marker": ".", "markevery": [0], "markersize": 9, "zorder": 2.8}

@@ -25,9 +25,8 @@ import numpy as np
 
 from npslam_teach import datasets, simulate
 from npslam_teach.evaluation import evaluate, true_association_fit
-from npslam_teach.methods import METHODS, settings_for
+from npslam_teach.methods import METHODS, NoiseEstimate, estimate_noise, settings_for
 from npslam_teach.methods.noise import with_noise
-from npslam_teach.methods.noise_estimate import NoiseEstimate, estimate_noise
 from npslam_teach.methods.snapshots import snapshot
 from npslam_teach.pose_graph import fit
 from npslam_teach.system.files import atomic_write

@@ -5,6 +5,7 @@ The numbers are those of the deck that the course replaces. Each module holds th
 
 from pathlib import Path
 
+from npslam_teach.course.a_real_robot import figures as a_real_robot_figures
 from npslam_teach.course.alternation import figures as alternation_figures
 from npslam_teach.course.class_votes import figures as class_votes_figures
 from npslam_teach.course.dirichlet_process import figures as dirichlet_process_figures
@@ -31,6 +32,7 @@ MODULES = (
     the_posterior_figures,
     fifteen_objects_figures,
     what_breaks_figures,
+    a_real_robot_figures,
 )
 FIGURES = tuple(sorted((entry for module in MODULES for entry in module.FIGURES), key=lambda entry: entry.name))
 

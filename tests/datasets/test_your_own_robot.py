@@ -51,8 +51,9 @@ def test_the_guide_works_from_top_to_bottom(tmp_path, monkeypatch, capsys):
     np.testing.assert_array_equal(found.odometry_std, [0.03, 0.03, 0.02])
     pictures, _ = datasets.load_log("my_pictures.npz")
     np.testing.assert_allclose(pictures.obs_xy, log.obs_xy, atol=1e-6)
-    steps, chi2 = said
+    steps, noise, chi2 = said
     assert f"{len(log.odometry)} steps of 0.25" in steps
+    assert re.search(r"odometry_std ([\d.]+),([\d.]+),([\d.]+)\nobservation_std ([\d.]+),([\d.]+)\noutliers", noise)
     assert 0.3 < float(chi2.split(":")[1]) < 3.0
 
 

@@ -7,6 +7,7 @@ import pytest
 from PIL import Image
 
 from npslam_teach import plotting, simulate
+from npslam_teach.course.a_real_robot.explorer import explore_believed_noise, results_of_recording_0
 from npslam_teach.course.alternation import false_positives_explorer
 from npslam_teach.course.alternation.explorer import explore_alternation
 from npslam_teach.course.class_votes.explorer import explore_triangle
@@ -86,6 +87,10 @@ EXPLORERS = {
     ),
     "office": (explore_office, [{"epsilon": 0.4}, {"method": "frame-by-frame"}, {"epsilon": 0.02}]),
     "kernel": (explore_widths, [{"noise": 2}, {"kernel_std": 0.5}, {"noise": 3}, {"kernel_std": 0.15}]),
+    "believed noise": (
+        lambda: explore_believed_noise(results_of_recording_0()),
+        [{"power": 2}, {"method": "ekf"}, {"power": -2}, {"method": "posterior"}],
+    ),
     "gate": (explore_gate, [{"gate": 0.5}, {"second_gate": 0.5}, {"gate": 5.0}, {"second_gate": 6.0}]),
 }
 

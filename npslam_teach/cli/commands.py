@@ -39,8 +39,7 @@ def solve(options) -> int:
         settings = solving.settings_of(options, log)
         run, restarts = solving.run(options, log, settings)
         fits = solving.agreement(options, log, run)
-        result = solve_report.solve_result(run, truth) | fits | estimated
-        result |= solving.sampled(options, log, settings, run)
+        result = solve_report.solve_result(run, truth) | fits | estimated | solving.sampled(options, log, settings, run)
     used = {"name": solving.settings_name(options)} | settings
     result |= {"settings": used, "settled": solving.settled(run, settings), "restarts": restarts}
     solving.remarks(options, log, settings, run, fits)

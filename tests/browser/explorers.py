@@ -74,7 +74,7 @@ class Control:
         """Which of them the page shows."""
         if self.is_list:
             return self.locator.evaluate("each => each.selectedIndex")
-        shown = float(self.readout.text_content())
+        shown = float(self.readout.text_content().replace("\N{MINUS SIGN}", "-"))
         return min(range(len(self.values())), key=lambda k: abs(self.values()[k] - shown))
 
     def key(self, forward: bool) -> str:

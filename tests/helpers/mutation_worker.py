@@ -119,6 +119,7 @@ OF_TRUTH = ("mean_pose_error", "rmse_pose_error", "cumulative_pose_error", "num_
 MAY_BE_MISSING = (
     *(f"result.metrics.{name}" for name in OF_TRUTH),  # where the truth is, see ``wrong_with_log``
     "result.metrics.chi2_per_dof",
+    "result.chi2_per_dof",
     "result.metrics.mean_object_error",
     "result.quality.position_variance",
     "result.settled",

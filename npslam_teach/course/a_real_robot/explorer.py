@@ -54,7 +54,7 @@ def explore_believed_noise(results: dict[tuple, Snapshot]) -> Explorer:
 
     sliders = {
         "method": choice("method", {name: name for name in COMPARED[::-1]}),
-        "power": slider("noise believed: 2 to the power of", 0, -2, 2, 1),
+        "power": slider("log2 of noise factor", 0, -2, 2, 1),
     }
     return Explorer(figure, update, **sliders)
 

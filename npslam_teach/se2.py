@@ -107,6 +107,23 @@ def dead_reckoning(odometry: np.ndarray, start: np.ndarray = (0.0, 0.0, 0.0)) ->
     return np.column_stack([xy, wrap(theta)])
 
 
+def interpolate(times: np.ndarray, known: np.ndarray, poses: np.ndarray) -> np.ndarray:
+    """Poses at times between those that are known, on straight lines, headings turned the short way.
+
+    Args:
+        times: (n,) s.
+        known: (m,) s, increasing.
+        poses: (m, 3) at these.
+
+    Returns:
+        (n, 3); before the first known pose that one, after the last the last.
+    """
+    columns = [poses[:, 0], poses[:, 1], np.unwrap(poses[:, 2])]
+    found = np.column_stack([np.interp(times, known, column) for column in columns])
+    found[:, 2] = wrap(found[:, 2])
+    return found
+
+
 def align(xy: np.ndarray, reference_xy: np.ndarray) -> np.ndarray:
     """The rigid motion that carries ``xy`` closest to ``reference_xy`` in the least-squares sense.
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.datasets.g2o import load_g2o
-from npslam_teach.datasets.trajectories import keyframes, poses_at
+from npslam_teach.datasets.trajectories import keyframes
 from npslam_teach.system.files import prefix_errors
 from npslam_teach.types import CLUTTER, GroundTruth, RobotLog, World
 from npslam_teach.validation import checked_array
@@ -99,7 +99,7 @@ def _log_of(wheels, seen, number, truth, places, num_classes: int) -> tuple[Robo
     """The log of tables (n, columns): wheels, sights, the landmark (M,) of each, motion capture, landmarks (K, 2)."""
     path = _driven(wheels)
     times = np.union1d(wheels[keyframes(path), 0], seen[:, 0])
-    poses, true_poses = poses_at(times, wheels[:, 0], path), poses_at(times, truth[:, 0], truth[:, 1:])
+    poses, true_poses = se2.interpolate(times, wheels[:, 0], path), se2.interpolate(times, truth[:, 0], truth[:, 1:])
     true_poses[(times < truth[0, 0]) | (times > truth[-1, 0])] = np.nan
     odometry, obs_time = se2.between(poses[:-1], poses[1:]), np.searchsorted(times, seen[:, 0])
     obs_xy = seen[:, 2, None] * np.column_stack([np.cos(seen[:, 3]), np.sin(seen[:, 3])])

@@ -13,7 +13,7 @@ from npslam_teach import se2
 from npslam_teach.datasets.ros_detections import BOXES_2D, BOXES_3D, Seen, read_detections, with_depth
 from npslam_teach.datasets.ros_frames import mounting, rotation_of
 from npslam_teach.datasets.ros_messages import Bag, open_bag, stamp_of
-from npslam_teach.datasets.trajectories import keyframes, poses_at
+from npslam_teach.datasets.trajectories import keyframes
 from npslam_teach.system.files import prefix_errors
 from npslam_teach.types import RobotLog
 from npslam_teach.validation import LARGEST, checked_array
@@ -180,7 +180,7 @@ def _log_of(time, poses, stamps, xy, names, odometry_std, observation_std) -> Ro
     since = time[0]  # whole nanoseconds since the epoch would not fit into a float
     known, frames = (time - since) / SECOND, np.unique(stamps)
     times = np.union1d(time, frames)
-    path = poses_at((times - since) / SECOND, known, poses)
+    path = se2.interpolate((times - since) / SECOND, known, poses)
     kept = keyframes(path, np.isin(times, frames))
     path, times = path[kept], times[kept]
     odometry = se2.between(path[:-1], path[1:])
@@ -212,12 +212,12 @@ def _class_order(name: str) -> tuple:
 
 def _noise_remarks(log: RobotLog, odometry_std, observation_std) -> list[str]:
     """The standard deviations that nobody gave."""
-    told = []
+    words = []
     if odometry_std is None:
-        told.append("odometry_std " + ",".join(f"{std:.3g}" for std in log.odometry_std) + " (a tenth of a step)")
+        words.append("odometry_std " + ",".join(f"{std:.3g}" for std in log.odometry_std) + " (a tenth of a step)")
     if observation_std is None:
-        told.append("observation_std " + ",".join(f"{std:.3g}" for std in log.observation_std))
-    return [f"assumed: {' and '.join(told)}; notebooks/your_own_robot.md tells how to know better"] if told else []
+        words.append("observation_std " + ",".join(f"{std:.3g}" for std in log.observation_std))
+    return [f"assumed: {' and '.join(words)}; notebooks/your_own_robot.md tells how to know better"] if words else []
 
 
 def _gap_remarks(time: np.ndarray, stamps: np.ndarray) -> list[str]:

@@ -1,10 +1,8 @@
-"""A recorded path between its measured poses, and the few of them that a log needs."""
+"""The few poses of a recorded path that a log needs."""
 
 import math
 
 import numpy as np
-
-from npslam_teach import se2
 
 STEP, TURN = 0.1, 0.1  # m, rad: a pose at least every so far
 
@@ -24,20 +22,3 @@ def keyframes(path: np.ndarray, always: np.ndarray | None = None) -> np.ndarray:
             kept.append(k)
             last = pose
     return np.unique([*kept, len(path) - 1])
-
-
-def poses_at(times: np.ndarray, known: np.ndarray, poses: np.ndarray) -> np.ndarray:
-    """Poses at times between those that are known, on straight lines, headings turned the short way.
-
-    Args:
-        times: (n,) s.
-        known: (m,) s, increasing.
-        poses: (m, 3) at these.
-
-    Returns:
-        (n, 3); before the first known pose that one, after the last the last.
-    """
-    columns = [poses[:, 0], poses[:, 1], np.unwrap(poses[:, 2])]
-    found = np.column_stack([np.interp(times, known, column) for column in columns])
-    found[:, 2] = se2.wrap(found[:, 2])
-    return found

@@ -1,7 +1,7 @@
 """The paper's method with a part of the truth given: what breaks it, if not that part?
 
 ``poses_at_truth`` leaves the rule of association alone with its kernel; ``from_the_truth`` sets out from the right
-answer, so that only the start of the descent is another; ``evaluation.true_association_fit`` is the pose graph alone.
+answer, so that only the start of the descent is another; ``true_identities`` is the pose graph alone.
 None of them is an estimator: all of them look at the truth.
 """
 
@@ -41,10 +41,16 @@ def from_the_truth(log: RobotLog, truth: GroundTruth, iterations: int = 5, **set
     Args: as in ``poses_at_truth``; every identity is given at the start, and none afterwards.
     """
     odometry_std, observation_std = _noise_in(settings)
+    known = true_identities(log, truth)
+    factors = odometry_factors(log, odometry_std), observation_factors(log, known.labels, observation_std)
+    graph = replace(known.graph, between=factors[0], observations=factors[1])
+    return _alternate(log, snapshot(log, 0, known.labels, graph), iterations, {}, settings)
+
+
+def true_identities(log: RobotLog, truth: GroundTruth) -> Snapshot:
+    """The pose graph alone, told who is who: ``evaluation.true_association_fit`` as the result of a method."""
     labels = without_empty_objects(truth.obs_object, truth.world.object_xy).labels
-    factors = odometry_factors(log, odometry_std), observation_factors(log, labels, observation_std)
-    graph = replace(true_association_fit(log, truth), between=factors[0], observations=factors[1])
-    return _alternate(log, snapshot(log, 0, labels, graph), iterations, {}, settings)
+    return snapshot(log, 0, labels, true_association_fit(log, truth))
 
 
 def _alternate(log: RobotLog, current: Snapshot, iterations: int, held: dict, settings: dict) -> Snapshot:

@@ -11,16 +11,16 @@ import time
 
 import numpy as np
 
+from npslam_teach.association import in_order_of_sight
 from npslam_teach.evaluation import evaluate, wilson_interval
 from npslam_teach.experiments.paper_simulation import scenes
 from npslam_teach.experiments.runs import Scene
+from npslam_teach.experiments.what_breaks import LEAST_ARI
 from npslam_teach.methods import METHODS
 from npslam_teach.methods.partition_score import partition_score
 from npslam_teach.methods.posterior import in_time, start_model
 from npslam_teach.pose_graph import fit
 from npslam_teach.system.progress import progress_shown, track
-
-LEAST_ARI = 0.99
 
 
 def trial(scene: Scene) -> dict:
@@ -38,8 +38,7 @@ def trial(scene: Scene) -> dict:
     scores = []
     for labels, poses in ((last.labels, last.graph.poses), (scene.truth.obs_object, scene.truth.poses)):
         in_order = labels[np.argsort(back)]
-        used = in_order >= 0
-        in_order = np.where(used, np.unique(in_order, return_inverse=True)[1] - int(not used.all()), -1)
+        in_order = in_order_of_sight(in_order, in_order >= 0)
         scores.append(partition_score(model, in_order, fit(ordered, in_order, poses)))
     right = metrics.num_objects == metrics.num_objects_true and metrics.ari >= LEAST_ARI
     verdict = "right" if right else "search" if scores[1] > scores[0] else "data"

@@ -13,10 +13,9 @@ before anybody sees them; *noise* is "paper" (the paper's constants), "own" (the
 (by ``estimate_noise``, which begins with the log's own after the factor).
 """
 
-import csv
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -24,12 +23,13 @@ from typing import NamedTuple
 import numpy as np
 
 from npslam_teach import datasets, simulate
-from npslam_teach.evaluation import evaluate, true_association_fit
+from npslam_teach.evaluation import evaluate
+from npslam_teach.experiments import tables
+from npslam_teach.experiments.oracles import true_identities
 from npslam_teach.methods import METHODS, NoiseEstimate, estimate_noise, settings_for
 from npslam_teach.methods.noise import with_noise
 from npslam_teach.methods.snapshots import snapshot
 from npslam_teach.pose_graph import fit
-from npslam_teach.system.files import atomic_write
 from npslam_teach.system.progress import progress_shown, track
 from npslam_teach.types import GroundTruth, RobotLog, Snapshot
 
@@ -97,10 +97,7 @@ def run_case(case: Case, seed: int) -> Snapshot:
         raise ValueError(f"method: expected one of {', '.join((*METHODS, KNOWN))}, got {case.method!r}")
     log, (_, truth) = log_of(case, seed), imported(seed, case.classes)
     if case.method == KNOWN:
-        used = truth.obs_object >= 0
-        labels = np.full(log.num_observations, -1)
-        labels[used] = np.unique(truth.obs_object[used], return_inverse=True)[1]
-        return snapshot(log, 0, labels, true_association_fit(log, truth))
+        return true_identities(log, truth)
     # A default of None means the log's own noise, which no scale changes.
     known = METHODS[case.method].settings
     settings = {name: value for name, value in settings_for(log).items() if known.get(name) is not None}
@@ -161,27 +158,9 @@ def labels_row(factor: float, seed: int = 0) -> dict:
     return {"method": "posterior", "factor": factor, "labels": " ".join(map(str, labels.tolist()))}
 
 
-def write_table(rows: Iterable[dict], columns: tuple, path: Path) -> None:
-    """Rows as a file of comma-separated values."""
-    with atomic_write(path) as stream:
-        writer = csv.DictWriter(stream, columns, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-
-
 def read_table(path: Path, columns: tuple) -> Iterator[dict]:
-    """The rows of ``write_table``, numbers as numbers.
-
-    Raises:
-        FileNotFoundError: there is no such file.
-        ValueError: it is another file.
-    """
-    with open(path, encoding="utf-8", newline="") as stream:
-        reader = csv.DictReader(stream)
-        if tuple(reader.fieldnames or ()) != columns:
-            raise ValueError(f"{path}: expected the columns {', '.join(columns)}, got {reader.fieldnames}")
-        for row in reader:
-            yield {name: text if name in TEXTS else float(text) for name, text in row.items()}
+    """The rows of one of the three tables, numbers as numbers; raises as ``tables.read_table``."""
+    return tables.read_table(path, columns, {name: str for name in TEXTS if name in columns})
 
 
 def main(folder: str) -> None:
@@ -189,9 +168,9 @@ def main(folder: str) -> None:
     with progress_shown():
         runs = [(case, seed) for case in cases() for seed in SEEDS]
         rows = (row_of(case, seed, run_case(case, seed)) for case, seed in track(runs, len(runs), "runs", "runs"))
-        write_table(rows, COLUMNS, Path(folder) / "runs.csv")
-        write_table(map(noise_row, SEEDS), NOISE_COLUMNS, Path(folder) / "noise.csv")
-        write_table(map(labels_row, FACTORS), LABEL_COLUMNS, Path(folder) / "labels.csv")
+        tables.write_table(rows, COLUMNS, Path(folder) / "runs.csv")
+        tables.write_table(map(noise_row, SEEDS), NOISE_COLUMNS, Path(folder) / "noise.csv")
+        tables.write_table(map(labels_row, FACTORS), LABEL_COLUMNS, Path(folder) / "labels.csv")
 
 
 if __name__ == "__main__":

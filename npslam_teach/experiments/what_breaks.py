@@ -19,7 +19,6 @@ in about twelve minutes on one core. A row is one run on ``fifteen_objects``; a 
 =====================  ================================================================================================
 """
 
-import csv
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -27,12 +26,11 @@ from pathlib import Path
 import numpy as np
 
 from npslam_teach import simulate
-from npslam_teach.evaluation import compare_partitions, true_association_fit
-from npslam_teach.experiments.oracles import from_the_truth, poses_at_truth
+from npslam_teach.evaluation import compare_partitions
+from npslam_teach.experiments import tables
+from npslam_teach.experiments.oracles import from_the_truth, poses_at_truth, true_identities
 from npslam_teach.experiments.runs import Run, Scene, row_of, run_method
 from npslam_teach.methods import METHODS, settings_for
-from npslam_teach.methods.snapshots import snapshot
-from npslam_teach.system.files import atomic_write
 from npslam_teach.system.progress import progress_shown, track
 
 SEEDS = range(30)  # the first thirty rooms, whatever they are like
@@ -44,6 +42,7 @@ SWEPT = {
 }
 RANDOM_ORDERS = 4
 COLUMNS = ("case", "noise", "seed", "objects", "ari", "ari_used", "pose_error", "objective")
+KINDS = {"case": str, "seed": int, "objects": int, "objective": lambda text: float(text) if text else None}
 NUM_TRUE, LEAST_ARI = 15, 0.99
 
 
@@ -80,9 +79,7 @@ def run_case(case: str, scene: Scene) -> dict:
     elif case.startswith("true start"):
         run = Run("np-graph", log, [from_the_truth(log, truth, **sensor)], 0.0)
     elif case == "true identities":
-        graph = true_association_fit(log, truth)
-        labels = np.unique(truth.obs_object, return_inverse=True)[1]
-        run = Run("np-graph", log, [snapshot(log, 0, labels, graph)], 0.0)
+        run = Run("np-graph", log, [true_identities(log, truth)], 0.0)
     elif case in METHODS:
         run = run_method(case, log, {})
     else:
@@ -142,30 +139,13 @@ def all_rows(seeds: Iterable[int] = SEEDS) -> Iterator[dict]:
 def write_table(rows: Iterable[dict], path: Path) -> None:
     """Rows as a file of comma-separated values, sorted by case, noise and seed."""
     place = {case: k for k, case in enumerate(noises_by_case())}
-    with atomic_write(path) as stream:
-        writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(sorted(rows, key=lambda row: (place[row["case"]], row["noise"], row["seed"])))
+    in_order = sorted(rows, key=lambda row: (place[row["case"]], row["noise"], row["seed"]))
+    tables.write_table(in_order, COLUMNS, path)
 
 
 def read_table(path: Path) -> list[dict]:
-    """The rows of ``write_table``, each with the names of ``COLUMNS``.
-
-    Raises:
-        FileNotFoundError: there is no such file.
-        ValueError: it is another file.
-    """
-    with open(path, encoding="utf-8", newline="") as stream:
-        reader = csv.DictReader(stream)
-        if tuple(reader.fieldnames or ()) != COLUMNS:
-            raise ValueError(f"{path}: expected the columns {', '.join(COLUMNS)}, got {reader.fieldnames}")
-        return [_typed(row) for row in reader]
-
-
-def _typed(row: dict) -> dict:
-    whole = {name: int(row[name]) for name in ("seed", "objects")}
-    real = {name: float(row[name]) for name in ("noise", "ari", "ari_used", "pose_error")}
-    return row | whole | real | {"objective": float(row["objective"]) if row["objective"] else None}
+    """The rows of ``write_table``; raises as ``tables.read_table``."""
+    return list(tables.read_table(path, COLUMNS, KINDS))
 
 
 def main(path: str) -> None:

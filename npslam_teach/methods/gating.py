@@ -7,6 +7,7 @@ and Kirubarajan, "Estimation with Applications to Tracking and Navigation", 2001
 
 import numpy as np
 
+from npslam_teach import se2
 from npslam_teach.association import one_to_one
 from npslam_teach.pose_graph import squared_radius
 from npslam_teach.types import RobotLog
@@ -61,3 +62,18 @@ def squared_mahalanobis(innovation: np.ndarray, innovation_cov: np.ndarray) -> n
     """
     whitened = np.linalg.solve(innovation_cov, innovation[..., None])[..., 0]
     return (innovation * whitened).sum(axis=-1)
+
+
+def squared_residuals(log: RobotLog, which, poses: np.ndarray, landmarks: np.ndarray) -> np.ndarray:
+    """How far observations lie from where landmarks would be seen, squared, in standard deviations.
+
+    Args:
+        log: what was measured; the noise of each observation counts.
+        which: indices (...) of the observations.
+        poses: (T, 3) W.
+        landmarks: (..., 2) m, W, one for each or many for all of them.
+    """
+    off = log.obs_xy[which] - se2.apply_inverse(poses[log.obs_time[which]], landmarks)
+    if log.observation_cov is None:
+        return ((off / log.observation_std) ** 2).sum(axis=-1)
+    return squared_mahalanobis(off, log.observation_cov[which])

@@ -11,19 +11,19 @@ noise is white, and they say it more precisely.
 """
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from npslam_teach.association import in_order_of_sight
-from npslam_teach.methods.gating import GATE
+from npslam_teach.association import first_observations, in_order_of_sight
+from npslam_teach.methods.gating import GATE, squared_residuals
 from npslam_teach.methods.noise import with_noise
 from npslam_teach.methods.posterior import posterior
-from npslam_teach.methods.tracklets import LONGEST_GAP
-from npslam_teach.pose_graph import fit, mean_leverages, observation_residual, squared_radius
+from npslam_teach.methods.tracklets import in_passes
+from npslam_teach.pose_graph import fit, mean_leverages, squared_radius
 from npslam_teach.pose_graph.factor_kinds import FACTOR_KINDS
 from npslam_teach.system.progress import track
-from npslam_teach.types import RobotLog
+from npslam_teach.types import PoseGraph, RobotLog
 
 CHOICES = 8  # of one observation per pass
 LEVERAGES = 80  # of the factors of a kind that are worked out
@@ -83,7 +83,7 @@ def estimate_noise(log: RobotLog, rounds: int = 8, *, seed: int = 0) -> NoiseEst
             break
     for each in said:  # of the last round; what an earlier one could not finish, it had another noise for
         warnings.warn(each.message, stacklevel=2)
-    return NoiseEstimate(**vars(estimate) | {"converged": converged})
+    return replace(estimate, converged=converged)
 
 
 def _given_labels(log: RobotLog, labels: np.ndarray, poses: np.ndarray, number: int, rng) -> NoiseEstimate:
@@ -101,22 +101,22 @@ def _given_labels(log: RobotLog, labels: np.ndarray, poses: np.ndarray, number: 
     return NoiseEstimate(best.odometry_std, best.observation_std, within, max(share, 0.0), number, False)
 
 
-def _fixed_point(log: RobotLog, labels: np.ndarray, choices: list, poses: np.ndarray):
+def _fixed_point(
+    log: RobotLog, labels: np.ndarray, choices: list[np.ndarray], poses: np.ndarray
+) -> tuple[RobotLog, np.ndarray, np.ndarray]:
     """The log with the noise that its residuals have, by several choices of observations (labels (M,), -1 left out).
 
     Returns:
         the log; (M,) the labels without outliers; (T, 3) poses.
     """
     for _ in range(MOST_STEPS):
-        near, poses = _without_outliers(log, labels, poses)
+        near, poses = without_outliers(log, labels, poses)
         squares, free = np.zeros(2), np.zeros(2)
         for choice in choices:
             used = np.where(near >= 0, choice, -1)
             graph = fit(log, in_order_of_sight(used, used >= 0), poses)
-            for k, (kind, leverage) in enumerate(zip(FACTOR_KINDS, mean_leverages(graph, LEVERAGES), strict=True)):
-                off, information = kind.residuals(graph), kind.information(graph)
-                squares[k] += np.einsum("ei,eij,ej->", off, information, off)
-                free[k] += len(off) * np.sum(1 - leverage)
+            of_choice = residual_squares(graph, LEVERAGES)
+            squares, free = squares + of_choice[0], free + of_choice[1]
         factors = np.sqrt(squares / np.maximum(free, 1e-9) / [1.0, KEPT_SHARE])
         log = with_noise(log, factors[0] * log.odometry_std, factors[1] * log.observation_std)
         if np.abs(factors - 1).max() <= SETTLED / 4:
@@ -124,22 +124,47 @@ def _fixed_point(log: RobotLog, labels: np.ndarray, choices: list, poses: np.nda
     return log, near, poses
 
 
-def _without_outliers(log: RobotLog, labels: np.ndarray, poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Labels (M,) without the observations beyond the gate, and the poses when all count."""
+def residual_squares(graph: PoseGraph, most: int = 300) -> tuple[np.ndarray, np.ndarray]:
+    """Squared residuals of odometry and observations in standard deviations, and of how many free numbers they are.
+
+    Args:
+        graph: at its minimum.
+        most: as in ``mean_leverages``.
+
+    Returns:
+        (2,) sums of squares; (2,) how many measured numbers are not used up by the fit.
+    """
+    squares, free = np.zeros(2), np.zeros(2)
+    for k, (kind, leverage) in enumerate(zip(FACTOR_KINDS, mean_leverages(graph, most), strict=True)):
+        off = kind.residuals(graph)
+        squares[k] = np.einsum("ei,eij,ej->", off, kind.information(graph), off)
+        free[k] = len(off) * np.sum(1 - leverage)
+    return squares, free
+
+
+def without_outliers(log: RobotLog, labels: np.ndarray, poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Leave out what lies beyond the gate of its own object.
+
+    Args:
+        log: what was measured.
+        labels: (M,) the object of each observation, from 0 without gaps; -1 = of none.
+        poses: (T, 3) W, from which the solver sets out.
+
+    Returns:
+        (M,) the labels, -1 for the outliers; (T, 3) the poses of the graph in which they still count.
+    """
     graph, used, near = fit(log, labels, poses), np.flatnonzero(labels >= 0), labels.copy()
-    off = observation_residual(graph.poses[log.obs_time[used]], graph.landmarks[labels[used]], log.obs_xy[used])
-    near[used[((off / log.observation_std) ** 2).sum(axis=1) > squared_radius(GATE)]] = -1
+    near[used[squared_residuals(log, used, graph.poses, graph.landmarks[labels[used]]) > squared_radius(GATE)]] = -1
     return near, graph.poses
 
 
 def _one_per_pass(log: RobotLog, labels: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Labels (M,) of one observation for each time that an object was in view; -1 for the others."""
-    order = np.lexsort((log.obs_time, labels))
-    begins = (np.diff(labels[order], prepend=-2) != 0) | (np.diff(log.obs_time[order], prepend=0) > LONGEST_GAP)
-    number = np.empty(len(labels), dtype=int)
-    number[order] = np.cumsum(begins)
+    order, passes = in_passes(labels, log.obs_time)
+    number = np.full(len(labels), -1)
+    number[order] = passes
     shuffled = rng.permutation(len(labels))
-    chosen = shuffled[np.unique(number[shuffled], return_index=True)[1]]
+    chosen = shuffled[first_observations(number[shuffled])]
     return np.where(np.isin(np.arange(len(labels)), chosen), labels, -1)
 
 

@@ -17,7 +17,7 @@ from npslam_teach.methods.polish import MARGIN
 from npslam_teach.methods.posterior import in_time, posterior, start_model, tied_anew
 from npslam_teach.pose_graph.reduced_system import reduced_system
 from npslam_teach.system.progress import track
-from npslam_teach.types import RobotLog, Snapshot
+from npslam_teach.types import PoseGraph, RobotLog, Snapshot
 
 CHAINS, WARM_UP = 4, 0.25  # of each chain this share is thrown away before it is kept
 HOT = (8.0, 4.0, 2.0)  # where the chains come from, so that they begin apart
@@ -104,18 +104,20 @@ def whole_tracklets(
         alpha: concentration of the Dirichlet process.
         area: m^2, as in ``start_model``.
     """
-    model, graph = start_model(log, alpha, area)
-    used, graph = (model.tracklet >= 0) & (labels >= 0), replace(graph, poses=found.graph.poses)
-    for _ in range(2):
-        piece = in_order_of_sight(np.column_stack([model.tracklet, labels]), used)
-        tied, of_piece = tied_anew(model, graph, piece), in_order_of_sight(labels[first_observations(piece)])
-        tied_graph, chi2 = solved(tied[0], tied[1], of_piece, steps=20)
-        state = State(1.0, of_piece, tied_graph, math.nan, chi2, chi2)
-        misfits = np.isin(piece, _misfits(tied[0], state))
-        if not misfits.any():
-            break
-        used &= ~misfits
-    return tied[0], state
+    start, graph = start_model(log, alpha, area)
+    used, graph = (start.tracklet >= 0) & (labels >= 0), replace(graph, poses=found.graph.poses)
+    model, state = _in_pieces(start, graph, labels, used)
+    misfits = np.isin(model.tracklet, _misfits(model, state))
+    return _in_pieces(start, graph, labels, used & ~misfits) if misfits.any() else (model, state)
+
+
+def _in_pieces(model: Model, graph: PoseGraph, labels: np.ndarray, used: np.ndarray) -> tuple[Model, State]:
+    """Tracklets cut by labels (M,), of the observations in use (M,) alone, and their partition with its solution."""
+    piece = in_order_of_sight(np.column_stack([model.tracklet, labels]), used)
+    model, graph = tied_anew(model, graph, piece)
+    of_piece = in_order_of_sight(labels[first_observations(piece)])
+    graph, chi2 = solved(model, graph, of_piece, steps=20)
+    return model, State(1.0, of_piece, graph, math.nan, chi2, chi2)
 
 
 def _misfits(model: Model, state: State) -> np.ndarray:
@@ -140,8 +142,7 @@ def sample_around(model: Model, state: State, num_samples: int, chains: int, see
         chains: how many.
         seed: of the random numbers.
     """
-    reduced = reduced_system(state.graph)
-    evidence, length = model.evidence(reduced), -(-num_samples // chains)
+    evidence, length = model.evidence(reduced_system(state.graph)), -(-num_samples // chains)
     kept = np.empty((chains, length, len(state.labels)), dtype=int)
     log_posterior = np.empty((chains, length))
     for chain in track(range(chains), chains, "posterior", "chains"):

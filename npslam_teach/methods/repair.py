@@ -4,7 +4,7 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.association import first_observations, in_order_of_sight, one_to_one
-from npslam_teach.methods.gating import GATE, frames_of, squared_mahalanobis
+from npslam_teach.methods.gating import GATE, frames_of, squared_residuals
 from npslam_teach.pose_graph import squared_radius
 from npslam_teach.types import PoseGraph, RobotLog
 
@@ -24,20 +24,12 @@ def reassigned(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, object_c
         (M,) index of the object; -1 = beyond the gate of all that are free.
     """
     labels, gate = np.full(log.num_observations, -1), squared_radius(REPAIR_GATE)
-    squared = _squared_residuals(log, np.arange(log.num_observations)[:, None], poses, landmarks)
+    squared = squared_residuals(log, np.arange(log.num_observations)[:, None], poses, landmarks)
     squared[log.obs_class[:, None] != object_class] = np.inf
     for observations in frames_of(log):
         if len(observations):
             labels[observations] = one_to_one(squared[observations], gate)
     return np.where(labels < len(object_class), labels, -1)
-
-
-def _squared_residuals(log: RobotLog, which, poses: np.ndarray, landmarks: np.ndarray) -> np.ndarray:
-    """How far observations lie from where landmarks (..., 2) would be seen, squared, in standard deviations."""
-    off = log.obs_xy[which] - se2.apply_inverse(poses[log.obs_time[which]], landmarks)
-    if log.observation_cov is None:
-        return ((off / log.observation_std) ** 2).sum(axis=-1)
-    return squared_mahalanobis(off, log.observation_cov[which])
 
 
 def cut_in_two(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, tracklet: np.ndarray) -> np.ndarray:
@@ -103,7 +95,7 @@ def outlier_share(log: RobotLog, graph: PoseGraph, labels: np.ndarray) -> float:
     used = np.flatnonzero((labels >= 0) & (count > 1))
     if len(used) == 0:
         return 0.0
-    squared = _squared_residuals(log, used, graph.poses, graph.landmarks[labels[used]])
+    squared = squared_residuals(log, used, graph.poses, graph.landmarks[labels[used]])
     squared *= count[used] / (count[used] - 1)
     typical = np.median(squared) / squared_radius(0.5)
     chance = 1 - GATE
@@ -136,7 +128,7 @@ def confirmed(log: RobotLog, graph: PoseGraph, labels: np.ndarray, tracklet: np.
         free = kept[alike & ~np.isin(kept, found[log.obs_time == log.obs_time[k]])]
         if len(free):
             means = np.array([places[found == i].mean(axis=0) for i in free])
-            squared = _squared_residuals(log, k, graph.poses, means)
+            squared = squared_residuals(log, k, graph.poses, means)
             found[k] = free[squared.argmin()] if squared.min() < squared_radius(REPAIR_GATE) else -1
     return without_gaps(found)
 

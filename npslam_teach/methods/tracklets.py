@@ -85,6 +85,23 @@ def tied_both_ways(log: RobotLog, **settings) -> np.ndarray:
     return in_order_of_sight(np.column_stack([forwards, backwards]), (forwards >= 0) & (backwards >= 0))
 
 
+def in_passes(labels: np.ndarray, times: np.ndarray, gap: int = LONGEST_GAP) -> tuple[np.ndarray, np.ndarray]:
+    """Observations pass by pass.
+
+    Args:
+        labels: (M,) the object of each; -1 leaves it out.
+        times: (M,) index of the pose.
+        gap: poses; an object that was not seen for longer begins another pass.
+
+    Returns:
+        (U,) indices, the observations of each pass together and in order of time; (U,) the number of the pass of each.
+    """
+    used = np.flatnonzero(labels >= 0)
+    order = used[np.lexsort((times[used], labels[used]))]
+    begins = (np.diff(labels[order], prepend=-2) != 0) | (np.diff(times[order], prepend=0) > gap)
+    return order, np.cumsum(begins) - 1
+
+
 @dataclass(frozen=True, eq=False)
 class _Surroundings:
     """What is in view: where each tracklet's object stands in the frame of the robot, and how sure that is."""

@@ -138,8 +138,7 @@ def _look(time, path, landmark_xy, rng) -> tuple[np.ndarray, np.ndarray, np.ndar
     """When (m,), which landmark (m,), and its range and bearing (m, 2) with errors that last for a pass."""
     frames = np.arange(time[0] + FRAME, time[-1] - LATE, FRAME)
     frames += rng.uniform(-0.1, 0.1, len(frames))
-    poses = np.column_stack([np.interp(frames, time, column) for column in (*path[:, :2].T, np.unwrap(path[:, 2]))])
-    xy = se2.apply_inverse(poses[:, None], landmark_xy)
+    xy = se2.apply_inverse(se2.interpolate(frames, time, path)[:, None], landmark_xy)
     true = np.stack([np.linalg.norm(xy, axis=-1), np.arctan2(xy[..., 1], xy[..., 0])], axis=-1)
     in_view = (true[..., 0] > SHORT) & (true[..., 0] < FAR) & (np.abs(true[..., 1]) < HALF_VIEW)
     frame, landmark = np.nonzero(in_view & (rng.random(in_view.shape) < READ))

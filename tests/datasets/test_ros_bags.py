@@ -14,7 +14,7 @@ from npslam_teach import datasets, se2
 from npslam_teach.cli import parser
 from npslam_teach.datasets import ros_messages
 from npslam_teach.datasets.ros_frames import rotation_of
-from npslam_teach.datasets.trajectories import STEP, keyframes, poses_at
+from npslam_teach.datasets.trajectories import STEP, keyframes
 
 pytest.importorskip("rosbags", reason="rosbags is not installed: pip install -r tests/requirements.txt")
 
@@ -225,7 +225,7 @@ def test_keyframes_are_a_step_or_a_turn_apart_or_asked_for():
 
 
 def test_a_heading_turns_the_short_way_between_two_poses():
-    middle = poses_at(np.array([0.5]), np.array([0.0, 1.0]), np.array([[0, 0, 3.1], [1, 0, -3.1]]))
+    middle = se2.interpolate(np.array([0.5]), np.array([0.0, 1.0]), np.array([[0, 0, 3.1], [1, 0, -3.1]]))
     np.testing.assert_allclose(middle, [[0.5, 0, -math.pi]], atol=1e-9)
 
 

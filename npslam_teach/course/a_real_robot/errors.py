@@ -5,11 +5,11 @@ import numpy as np
 from npslam_teach import se2
 from npslam_teach.association import in_order_of_sight
 from npslam_teach.evaluation import chi2_per_dof, true_association_fit
-from npslam_teach.methods.gating import GATE
+from npslam_teach.methods import noise_estimate
+from npslam_teach.methods.gating import GATE, squared_mahalanobis
 from npslam_teach.methods.noise import with_noise
-from npslam_teach.methods.tracklets import LONGEST_GAP
-from npslam_teach.pose_graph import fit, marginal_covariance, mean_leverages, squared_radius
-from npslam_teach.pose_graph.factor_kinds import FACTOR_KINDS
+from npslam_teach.methods.tracklets import LONGEST_GAP, in_passes
+from npslam_teach.pose_graph import fit, marginal_covariance, squared_radius
 from npslam_teach.types import GroundTruth, RobotLog
 
 MOST_ROUNDS, SETTLED = 30, 0.01
@@ -26,23 +26,6 @@ def sighting_errors(log: RobotLog, truth: GroundTruth) -> np.ndarray:
 def along_the_ray(log: RobotLog, off: np.ndarray) -> np.ndarray:
     """(M,) m: how much too far the landmark seems; ``off`` (M, 2) m from ``sighting_errors``."""
     return (off * log.obs_xy).sum(axis=1) / np.linalg.norm(log.obs_xy, axis=1)
-
-
-def in_passes(labels: np.ndarray, times: np.ndarray, gap: int = LONGEST_GAP) -> tuple[np.ndarray, np.ndarray]:
-    """Sightings pass by pass.
-
-    Args:
-        labels: (M,) the object of each; -1 leaves it out.
-        times: (M,) index of the pose.
-        gap: poses; an object that was not seen for longer begins another pass.
-
-    Returns:
-        (U,) indices, the sightings of each pass together and in order of time; (U,) the number of the pass of each.
-    """
-    used = np.flatnonzero(labels >= 0)
-    order = used[np.lexsort((times[used], labels[used]))]
-    begins = (np.diff(labels[order], prepend=-2) != 0) | (np.diff(times[order], prepend=0) > gap)
-    return order, np.cumsum(begins) - 1
 
 
 def lag_one(errors: np.ndarray, passes: np.ndarray) -> float:
@@ -86,10 +69,7 @@ def first_of_each_pass(labels: np.ndarray, times: np.ndarray, gap: int = LONGEST
 
 def without_outliers(log: RobotLog, labels: np.ndarray, poses: np.ndarray) -> np.ndarray:
     """Labels (M,) with -1 for what lies beyond the gate of its own object; ``poses`` (T, 3) to set out from."""
-    used, near = np.flatnonzero(labels >= 0), labels.copy()
-    off = FACTOR_KINDS[1].residuals(fit(log, labels, poses))
-    near[used[((off / log.observation_std) ** 2).sum(axis=1) > squared_radius(GATE)]] = -1
-    return near
+    return noise_estimate.without_outliers(log, labels, poses)[0]
 
 
 def noise_factors(log: RobotLog, labels: np.ndarray, poses: np.ndarray) -> np.ndarray:
@@ -109,11 +89,7 @@ def noise_factors(log: RobotLog, labels: np.ndarray, poses: np.ndarray) -> np.nd
     labels, factors = in_order_of_sight(labels, labels >= 0), np.ones(2)
     for _ in range(MOST_ROUNDS):
         graph = fit(with_noise(log, factors[0] * log.odometry_std, factors[1] * log.observation_std), labels, poses)
-        squares, free = np.zeros(2), np.zeros(2)
-        for k, (kind, leverage) in enumerate(zip(FACTOR_KINDS, mean_leverages(graph), strict=True)):
-            off = kind.residuals(graph)
-            squares[k] = np.einsum("ei,eij,ej->", off, kind.information(graph), off)
-            free[k] = off.size - len(off) * leverage.sum()
+        squares, free = noise_estimate.residual_squares(graph)
         wrong = np.sqrt(squares / free)
         factors = factors * wrong
         if np.abs(wrong - 1).max() <= SETTLED:
@@ -134,4 +110,4 @@ def landmark_nees(log: RobotLog, truth: GroundTruth) -> tuple[np.ndarray, float]
     seen = np.unique(truth.obs_object[truth.obs_object >= 0])
     off = graph.landmarks - truth.world.object_xy[seen]
     covariances = marginal_covariance(graph, landmarks=range(len(seen)))[1]
-    return (off * np.linalg.solve(covariances, off[:, :, None])[:, :, 0]).sum(axis=1), chi2_per_dof(graph)
+    return squared_mahalanobis(off, covariances), chi2_per_dof(graph)

@@ -15,6 +15,7 @@ from npslam_teach.methods.annealing import State
 from npslam_teach.methods.polish import polished
 from npslam_teach.methods.posterior import in_time, start_model
 from npslam_teach.methods.posterior_samples import whole_tracklets
+from npslam_teach.methods.snapshots import snapshot
 from npslam_teach.pose_graph import fit
 from npslam_teach.pose_graph.reduced_system import reduced_system
 from npslam_teach.types import RobotLog, Snapshot
@@ -189,6 +190,25 @@ def test_frequencies_of_a_small_log_are_the_exact_posterior(seed):
     worth = effective_sample_size(samples.log_posterior)
     chance = sum(np.sqrt(each * (1 - each) / (2 * np.pi * worth)) for each in exact.values())  # expected, of so many
     assert distance <= 0.02 + 2 * chance, (distance, chance)
+
+
+def test_what_is_sampled_are_tracklets_without_misfits():
+    """What no tracklet ties is not sampled, and a pass in a wrong place that was joined to its chair is not either."""
+    log, truth = simulate.fifteen_objects(0, 1.0)
+    log, back = in_time(log)
+    labels = truth.obs_object[np.argsort(back)]
+    found = snapshot(log, 1, labels, fit(log, labels, truth.poses))
+    start, _ = start_model(log)
+    model, _ = whole_tracklets(log, labels, found, 1.0, None)
+    assert (start.tracklet < 0).any() and (model.tracklet[start.tracklet < 0] == -1).all()
+    assert (model.tracklet[start.tracklet >= 0] >= 0).all()
+    own = start.tracklet == 20
+    xy = log.obs_xy + np.where(own[:, None], 12 * log.observation_std, 0.0)
+    moved = replace(log, obs_xy=xy)
+    model, _ = whole_tracklets(moved, labels, replace(found, graph=fit(moved, labels, truth.poses)), 1.0, None)
+    again = start_model(moved)[0].tracklet
+    assert (model.tracklet[own] == -1).all()
+    assert (model.tracklet[~own & (again >= 0)] >= 0).mean() > 0.9
 
 
 def test_wrong_settings_are_named():

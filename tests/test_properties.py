@@ -21,6 +21,8 @@ from npslam_teach.methods import METHODS
 from npslam_teach.types import BetweenFactors, ObservationFactors, PoseGraph, RobotLog, SensorModel, World
 
 EXAMPLES = int(os.environ.get("NPSLAM_TEACH_EXAMPLES", "0"))
+# One that takes seconds for an example is not among the quick ones.
+EACH_METHOD = [pytest.param(name, marks=pytest.mark.slow if name == "posterior" else ()) for name in METHODS]
 tried = settings(
     max_examples=EXAMPLES or 40,
     derandomize=not EXAMPLES,
@@ -125,7 +127,7 @@ def results(method, log):
         return list(METHODS[method](log))
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EACH_METHOD)
 @tried
 @given(runs())
 def test_every_method_gives_finite_numbers_and_keeps_its_books(method, run):
@@ -146,7 +148,7 @@ def test_every_method_gives_finite_numbers_and_keeps_its_books(method, run):
         assert snapshot.chi2 >= 0
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EACH_METHOD)
 @tried
 @given(runs(), seeds)
 def test_what_classes_are_called_does_not_matter(method, run, seed):

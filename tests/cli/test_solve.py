@@ -278,6 +278,7 @@ def test_a_single_search_is_not_taken_for_certain(capsys, log_file):
     assert err == ""
 
 
+@pytest.mark.slow
 def test_estimated_noise_is_used_and_told(capsys, tmp_path):
     """A log that claims a third of its noise."""
     short_log, _ = small_log()

@@ -161,6 +161,7 @@ def test_ellipses_of_twice_the_area_or_half_of_it_would_be_noticed(runs, factor)
     assert failed(with_covariance(runs, factor)) == everything_but_chi2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [1.1, 0.9])
 def test_standard_deviations_ten_percent_off_would_be_noticed(factor):
     assert {"chi2", "joint NEES"} <= failed(measured(SEEDS, observation_factor=factor))

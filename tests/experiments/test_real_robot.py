@@ -47,6 +47,7 @@ def test_every_run_is_in_the_table_once():
     assert [row["seed"] for row in noise] == list(SEEDS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("case", "seed"), SOME, ids=str)
 def test_a_row_is_what_a_run_gives(case, seed):
     (stored,) = [row for row in table.runs_of(*case) if row["seed"] == seed]
@@ -64,6 +65,7 @@ def test_estimates_are_what_the_library_estimates():
     assert row["objects"] == run_case(case, 0).num_objects
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [1.0, 4.0])
 def test_stored_labels_are_those_of_a_run(factor):
     np.testing.assert_array_equal(

@@ -23,7 +23,7 @@ def with_covariances(log):
     return replace(log, odometry_cov=step_covariances(log), observation_cov=observation_covariances(log))
 
 
-@pytest.mark.parametrize("method", ["posterior", "ekf"])
+@pytest.mark.parametrize("method", [pytest.param("posterior", marks=pytest.mark.slow), "ekf"])
 def test_the_same_noise_said_of_each_gives_the_same_answer(method):
     log, _ = simulate.fifteen_objects(3, noise=2.0)
     *_, one = METHODS[method](log)
@@ -43,7 +43,7 @@ def test_given_standard_deviations_are_for_all():
     assert chi2(given) == pytest.approx(chi2(fit(plain, labels)), rel=1e-12)
 
 
-@pytest.mark.parametrize("method", ["posterior", "ekf"])
+@pytest.mark.parametrize("method", [pytest.param("posterior", marks=pytest.mark.slow), "ekf"])
 def test_bad_observations_that_say_so_do_no_harm(method):
     """A third of the observations is six times as noisy; the log says which."""
     rng, right = np.random.default_rng(0), []

@@ -54,6 +54,7 @@ def test_outliers_are_counted_and_do_not_count():
     np.testing.assert_allclose(estimate.observation_std, log.observation_std, rtol=0.1)
 
 
+@pytest.mark.slow
 def test_errors_that_last_for_a_pass_are_seen():
     """An error common to a pass: nobody sees it within the pass, and it counts between passes."""
     log, truth = simulate.fifteen_objects(2, noise=0.5)

@@ -12,6 +12,7 @@ import warnings
 from npslam_teach import __version__
 from npslam_teach.cli.import_options import add_import_options
 from npslam_teach.cli.option_types import count, index, method, method_names, methods, number, numbers, port
+from npslam_teach.cli.sweep_options import add_sweep_options
 from npslam_teach.system.progress import progress_shown
 
 
@@ -89,6 +90,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_test(subparsers)
     _add_bench(subparsers)
     _add_reproduce(subparsers)
+    _add_sweep(subparsers)
     _add_solve(subparsers)
     _add_import(subparsers)
     _add_optimize(subparsers)
@@ -142,6 +144,12 @@ def _add_reproduce(subparsers) -> None:
     )
     reproduce.add_argument("--figures", metavar="DIR", help="draw figures 14 to 17 of the first run into this folder")
     _add_json(reproduce)
+
+
+def _add_sweep(subparsers) -> None:
+    sweep = _add(subparsers, "sweep", "run methods over noise, settings and seeds, here or on a cluster")
+    sweep.names_of_methods = method_names
+    add_sweep_options(sweep)
 
 
 def _add_solve(subparsers) -> None:
@@ -204,6 +212,8 @@ def _add_optimize(subparsers) -> None:
 def _add_figures(subparsers) -> None:
     figures = _add(subparsers, "figures", "draw every figure of the course anew")
     figures.add_argument("--out", metavar="DIR", help="default: the folder figures beside the package")
+    text = "draw the success of a sweep's runs instead (default folder: FILE without its ending)"
+    figures.add_argument("--sweep", metavar="FILE", help=text)
 
 
 def _add_site(subparsers) -> None:

@@ -1,5 +1,7 @@
 """The fifteen-object scene: our own version of the paper's simulation (paper section V.A; deck figure 14)."""
 
+from functools import cache
+
 import numpy as np
 
 from npslam_teach.simulate.robot_run import follow, paper_sensor, simulate_run, visible_objects
@@ -72,6 +74,7 @@ def scattered_world(
     raise ValueError(f"size: expected room for {num_objects} separate objects, got a square of {size} m")
 
 
+@cache
 def designed_path(step: float = 0.1) -> np.ndarray:
     """The designed path of the fifteen-object scene: a closed line of 70 m that loops three times.
 
@@ -82,10 +85,12 @@ def designed_path(step: float = 0.1) -> np.ndarray:
         step: m between one pose and the next.
 
     Returns:
-        (T, 3) poses in W, heading along the path.
+        (T, 3) poses in W, heading along the path; read-only, because many runs share them.
     """
     phase = np.linspace(0.0, 2 * np.pi, 20_001)
     radius, loops = 2.75, 3
     x = np.cos(phase) + np.cos((loops + 1) * phase)
     y = np.sin(phase) + np.sin((loops + 1) * phase)
-    return follow(5.0 + radius * np.column_stack([x, y]), step)
+    path = follow(5.0 + radius * np.column_stack([x, y]), step)
+    path.setflags(write=False)
+    return path

@@ -158,10 +158,11 @@ def _draw_sweep(options) -> int:
     rows = sweep_files.read_rows(options.sweep)
     folder = folder_named(str(Path(options.sweep).with_suffix("")) if options.out is None else options.out)
     plotting.style.put_settings_aside()
-    folder.mkdir(parents=True, exist_ok=True)
     with files.prefix_errors(options.sweep):
-        for name, figure in plotting.success_figures(rows).items():
-            plotting.save(figure, folder / name)
+        drawn = plotting.success_figures(rows)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, figure in drawn.items():
+        plotting.save(figure, folder / name)
     print(f"figures: {folder}")
     return 0
 

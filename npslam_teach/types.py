@@ -91,6 +91,7 @@ class RobotLog:
     class_names: tuple | None = None  # num_classes names, for people only
     odometry_cov: np.ndarray | None = None  # (T-1, 3, 3) m, m, rad: of each step, in the order of its numbers
     observation_cov: np.ndarray | None = None  # (M, 2, 2) m^2: of each observation, in R_t
+    class_probabilities: np.ndarray | None = None  # (M, C) what each observation says of its class, all alike before
 
     def __post_init__(self):
         _set(self, "odometry", (None, 3))
@@ -110,8 +111,17 @@ class RobotLog:
             if getattr(self, name) is not None:
                 _set(self, name, (count, size, size))
                 require_definite(name, getattr(self, name))
+        self._check_class_probabilities()
         if self.class_names is not None and len(self.class_names) != self.num_classes:
             raise ValueError(f"class_names: expected {self.num_classes} names, got {len(self.class_names)}")
+
+    def _check_class_probabilities(self):
+        if self.class_probabilities is None:
+            return
+        _set(self, "class_probabilities", (self.num_observations, self.num_classes))
+        sums = self.class_probabilities.sum(axis=1)
+        if (self.class_probabilities < 0).any() or not np.allclose(sums, 1.0, atol=1e-3):
+            raise ValueError("class_probabilities: expected rows of probabilities that sum to one")
 
     @property
     def num_poses(self) -> int:

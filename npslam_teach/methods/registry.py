@@ -10,6 +10,7 @@ from npslam_teach.methods.np_graph import np_graph
 from npslam_teach.methods.open_loop import open_loop
 from npslam_teach.methods.posterior import posterior
 from npslam_teach.methods.robust_slam import robust_slam
+from npslam_teach.methods.soft_em import soft_em
 from npslam_teach.types import RobotLog, Snapshot
 
 
@@ -67,6 +68,14 @@ _ALL = (
         ekf_slam,
         {"color": "#ddd32e", "linestyle": (0, (6, 1)), "marker": "v"},
         "the log's noise is right and no class is confused; clutter far from every object becomes one",
+        in_paper=False,
+    ),
+    Method(
+        "soft-em",
+        soft_em,
+        {"color": "#c78ab8", "linestyle": (0, (1, 1)), "marker": "X"},
+        "the log's noise is right; the number of objects is the filter's, less those that prove to be one; clutter far "
+        "from every object becomes one",
         in_paper=False,
     ),
     Method(

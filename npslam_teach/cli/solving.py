@@ -125,6 +125,11 @@ def remarks(options, log: RobotLog, settings: dict, found: experiments.Run, fits
     if carried and METHODS[options.method].settings["odometry_std"] is not None:
         text = f"{options.method} assumes one noise for all: {' and '.join(carried)} of the log have no effect"
         warnings.warn(text, stacklevel=2)
+    if log.class_probabilities is not None and not METHODS[options.method].sees_classes:
+        text = (
+            f"{options.method} takes the most likely class for certain: class_probabilities of the log have no effect"
+        )
+        warnings.warn(text, stacklevel=2)
     ratio, margin = fits["chi2_per_dof"], 3 * math.sqrt(2 / max(fits["dof"], 1))
     if options.method in MINDS_THE_NOISE and not (min(0.5, 1 - margin) <= ratio <= max(2.0, 1 + margin)):
         text = f"chi2 per degree of freedom is {ratio:.3g}: the noise in the log is wrong, or who is who; see"

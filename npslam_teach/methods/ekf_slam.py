@@ -130,8 +130,8 @@ def filter_steps(
         one step for every pose.
     """
     log = with_noise(log, odometry_std, observation_std)
-    step_cov, sight_cov = step_covariances(log), observation_covariances(log)
-    bounds, frames = squared_gates(gate, new_gate), frames_of(log)
+    step_cov, sight_cov, frames = step_covariances(log), observation_covariances(log), frames_of(log)
+    bounds = squared_gates(gate, new_gate)
     known_labels = None if labels is None else _in_order_of_sight(labels, frames)
     seen_all = log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities)
     belief, classes = Belief.at_origin(), np.zeros((0, log.num_classes))
@@ -152,8 +152,8 @@ def filter_steps(
         before, after = (prior.mean, prior.cov), (belief.mean, belief.cov)
         yield FilterStep(time, observations, *before, classes.argmax(axis=1), distance, decision, numbered, nis, *after)
         if known_labels is None:  # given labels may contradict the classes
-            matched = decision >= 0
-            classes[decision[matched]] = updated_belief(classes[decision[matched]], seen[matched])
+            matched = decision[decision >= 0]
+            classes[matched] = updated_belief(classes[matched], seen[decision >= 0])
         classes = np.append(classes, updated_belief(np.zeros_like(seen[is_new]), seen[is_new]), axis=0)
 
 

@@ -130,8 +130,8 @@ def filter_steps(
         one step for every pose.
     """
     log = with_noise(log, odometry_std, observation_std)
-    step_cov, sight_cov, frames = step_covariances(log), observation_covariances(log), frames_of(log)
-    bounds = squared_gates(gate, new_gate)
+    step_cov, sight_cov = step_covariances(log), observation_covariances(log)
+    bounds, frames = squared_gates(gate, new_gate), frames_of(log)
     known_labels = None if labels is None else _in_order_of_sight(labels, frames)
     seen_all = log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities)
     belief, classes = Belief.at_origin(), np.zeros((0, log.num_classes))
@@ -151,10 +151,16 @@ def filter_steps(
         belief, nis = _absorb(prior, decision, xy, noise)
         before, after = (prior.mean, prior.cov), (belief.mean, belief.cov)
         yield FilterStep(time, observations, *before, classes.argmax(axis=1), distance, decision, numbered, nis, *after)
-        if known_labels is None:  # given labels may contradict the classes
-            matched = decision[decision >= 0]
-            classes[matched] = updated_belief(classes[matched], seen[decision >= 0])
-        classes = np.append(classes, updated_belief(np.zeros_like(seen[is_new]), seen[is_new]), axis=0)
+        classes = _classes_after(classes, decision, seen, known_labels is not None)
+
+
+def _classes_after(classes: np.ndarray, decision: np.ndarray, seen: np.ndarray, is_given: bool) -> np.ndarray:
+    """What the objects are (logarithms) after the observations of a frame, new objects included."""
+    matched, is_new = decision >= 0, decision == NEW
+    if not is_given:  # given labels may contradict the classes
+        classes = classes.copy()
+        classes[decision[matched]] = updated_belief(classes[decision[matched]], seen[matched])
+    return np.append(classes, updated_belief(np.zeros_like(seen[is_new]), seen[is_new]), axis=0)
 
 
 def _absorb(belief: Belief, decision: np.ndarray, xy: np.ndarray, noise: np.ndarray) -> tuple[Belief, float]:

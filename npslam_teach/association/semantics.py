@@ -8,7 +8,7 @@ certain this is the rule of all other methods: the classes must be equal.
 
 import numpy as np
 
-from npslam_teach.validation import checked_array
+from npslam_teach.validation import checked_array, require_distributions
 
 
 def reported(obs_class: np.ndarray, confusion: np.ndarray) -> np.ndarray:
@@ -26,8 +26,7 @@ def reported(obs_class: np.ndarray, confusion: np.ndarray) -> np.ndarray:
     """
     num_classes = len(confusion)
     confusion = checked_array("confusion", confusion, (num_classes, num_classes))
-    if (confusion < 0).any() or not np.allclose(confusion.sum(axis=1), 1.0, atol=1e-6):
-        raise ValueError("confusion: expected rows of probabilities that sum to one")
+    require_distributions("confusion", confusion)
     likelihood = confusion.T[obs_class]
     total = likelihood.sum(axis=1, keepdims=True)
     if (total == 0).any():

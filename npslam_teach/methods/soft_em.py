@@ -49,7 +49,7 @@ class Pairs(NamedTuple):
 
 def soft_em(
     log: RobotLog,
-    iterations: int = 20,
+    iterations: int = 50,
     *,
     mixture: str = "sum",
     gate: float = GATE,
@@ -60,15 +60,15 @@ def soft_em(
 
     Args:
         log: what the robot measured; ``class_probabilities`` count where it has them.
-        iterations: at most so many rounds of EM after each joining of objects.
+        iterations: at most so many rounds of EM.
         mixture: "sum": all matchings of a frame, each as probable as it is; "max": the best one alone.
         gate: to be of no object is as probable as a match at this gate, which so many right matches pass.
         odometry_std: (3,) m, m, rad per step; None: what the log says.
         observation_std: (2,) m; None: what the log says.
 
     Yields:
-        the frame-by-frame start; the filter's map, smoothed; then a snapshot after each round of EM has settled and two
-        objects have been joined. A label is the object of the most probable matching, -1 for none.
+        the frame-by-frame start; the filter's map, smoothed; then a snapshot after each round of EM, which ends when no
+        probability changes and no two objects are one. A label is the object of the most probable matching, or -1.
     """
     if mixture not in MIXTURES:
         raise ValueError(f"mixture: expected one of {', '.join(MIXTURES)}, got {mixture!r}")
@@ -82,20 +82,22 @@ def soft_em(
     labels = run_filter(log, gate, max(gate, NEW_GATE)).labels
     graph, pairs = fit(log, labels), _certain(labels)
     yield snapshot(log, 1, labels, graph)
-    for iteration in range(2, 3 + len(graph.landmarks)):
-        graph, pairs = settled(log, graph, pairs, bound, mixture, int(iterations))
+    for iteration in track(range(2, 2 + int(iterations)), int(iterations), "soft-em", "iterations"):
+        before = pairs
+        graph, pairs = em_round(log, graph, pairs, bound, mixture)
         labels = best_labels(log, graph, pairs, bound)
         yield _with_labels(log, iteration, labels, graph)
-        copies = same_objects(log, graph, pairs, labels, bound)
-        if np.array_equal(copies, np.arange(len(copies))):
-            break
-        graph, pairs = joined(graph, pairs, copies)
+        if _change(before, pairs) <= SETTLED:
+            copies = same_objects(log, graph, pairs, labels, bound)
+            if np.array_equal(copies, np.arange(len(copies))):
+                break
+            graph, pairs = joined(graph, pairs, copies)
 
 
-def settled(
-    log: RobotLog, graph: PoseGraph, pairs: Pairs, bound: float, mixture: str, iterations: int
+def em_round(
+    log: RobotLog, graph: PoseGraph, pairs: Pairs, bound: float, mixture: str = "sum"
 ) -> tuple[PoseGraph, Pairs]:
-    """EM until no probability changes: the weighted graph solved, and the pairs it is weighted by.
+    """E-step and M-step: the probabilities of all pairs, and the graph solved that is weighted by them.
 
     Args:
         log: what the robot measured.
@@ -103,19 +105,13 @@ def settled(
         pairs: whose weights say what class each object is.
         bound: squared distance of a match that is as probable as none.
         mixture: one of MIXTURES.
-        iterations: at most.
     """
-    for _ in track(range(iterations), iterations, "soft-em", "iterations"):
-        before = pairs
-        graph, pairs = without_unseen(graph, expected(log, graph, pairs, bound, mixture))
-        graph = optimize(weighted(log, graph, pairs))
-        if _change(before, pairs) <= SETTLED:
-            break
-    return graph, pairs
+    graph, pairs = without_unseen(graph, expected(log, graph, pairs, bound, mixture))
+    return optimize(weighted(log, graph, pairs)), pairs
 
 
 def expected(log: RobotLog, graph: PoseGraph, pairs: Pairs, bound: float, mixture: str = "sum") -> Pairs:
-    """E-step: how probable each pair is, map and trajectory held still. Arguments as in ``settled``."""
+    """E-step: how probable each pair is, map and trajectory held still. Arguments as in ``em_round``."""
     distance, found = distances(log, graph, pairs), []
     for observations in frames_of(log):
         own = distance[observations]
@@ -183,7 +179,7 @@ def same_objects(log: RobotLog, graph: PoseGraph, pairs: Pairs, labels: np.ndarr
     Two are one where position, with its joint covariance, and class agree as well as a match at the gate, and no
     frame shows both. The nearest first, each once.
 
-    Args: as in ``settled``, and the labels (M,) of the most probable matching.
+    Args: as in ``em_round``, and the labels (M,) of the most probable matching.
     """
     count = len(graph.landmarks)
     cov = np.linalg.inv(reduced_system(graph).information).reshape(count, 2, count, 2)

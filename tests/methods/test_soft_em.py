@@ -12,7 +12,7 @@ from npslam_teach import evaluation, se2, simulate
 from npslam_teach.association.semantics import evenly_confused, reported
 from npslam_teach.methods import METHODS, soft_em
 from npslam_teach.methods.gating import frames_of, squared_gates
-from npslam_teach.methods.soft_em import Pairs, expected, same_objects, settled, weighted
+from npslam_teach.methods.soft_em import Pairs, em_round, expected, same_objects, weighted
 from npslam_teach.pose_graph import chi2, fit
 from npslam_teach.types import RobotLog, World
 
@@ -109,7 +109,7 @@ def test_a_round_of_em_never_raises_what_it_descends_on(seed, monkeypatch):
     graph, pairs = fit(log, labels), Pairs(np.arange(len(obj)), labels, np.ones(len(obj)))
     values = [negative_log_likelihood(log, graph, labels)]
     for _ in range(6):
-        graph, pairs = settled(log, graph, pairs, BOUND, "sum", 1)
+        graph, pairs = em_round(log, graph, pairs, BOUND)
         if len(graph.landmarks) <= labels.max():
             return  # an object has gone: from then on it is another mixture
         values.append(negative_log_likelihood(log, graph, labels))

@@ -96,6 +96,8 @@ def reproduce(options) -> int:
     with nullcontext() if options.data is None else files.prefix_errors(options.data):
         result, first, runs = paper_simulation.run_all(scenes, methods, options.iterations, options.seeds)
     _print(result if options.json else reports.reproduce_text(result), options.json)
+    if options.table:
+        paper_simulation.write_runs(result["runs"], Path(options.table))
     if folder is not None:
         from npslam_teach.course.fifteen_objects import figures as drawing
 

@@ -143,6 +143,7 @@ def _add_reproduce(subparsers) -> None:
         help="alternations at most (default 8; the paper ran 5)",
     )
     reproduce.add_argument("--figures", metavar="DIR", help="draw figures 14 to 17 of the first run into this folder")
+    reproduce.add_argument("--table", metavar="FILE", help="write a row for each run and method (.csv)")
     _add_json(reproduce)
 
 

@@ -5,8 +5,10 @@ not change while the estimates move. Only the upper triangle is kept, in compres
 the row and the value of every number that may differ from zero.
 """
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -61,8 +63,8 @@ class BlockStructure:
 
     def blocks(self, values: np.ndarray) -> list[np.ndarray]:
         """The part of all contributions (V,) that is each group's, as (height, width, B), to be written into."""
-        ends = np.cumsum([np.prod(shape) for shape in self.shapes])
-        return [values[end - np.prod(shape) : end].reshape(shape) for shape, end in zip(self.shapes, ends, strict=True)]
+        ends = list(accumulate((math.prod(shape) for shape in self.shapes), initial=0))
+        return [values[a:b].reshape(shape) for shape, (a, b) in zip(self.shapes, pairwise(ends), strict=True)]
 
     def gather(self, values: np.ndarray) -> np.ndarray:
         """Add up all contributions (V,) that fall on the same entry: the upper triangle's ``data`` (nnz,)."""

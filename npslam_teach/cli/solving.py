@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from npslam_teach import experiments
+from npslam_teach import experiments, simulate
 from npslam_teach.association import PAPER_ALPHA, same_partition
 from npslam_teach.cli.posterior_report import samples_result
-from npslam_teach.evaluation import chi2_per_dof, refit, refitted_objective
+from npslam_teach.evaluation import chi2_per_dof, refitted_objective
 from npslam_teach.evaluation.consistency import degrees_of_freedom
 from npslam_teach.methods import METHODS, paper_settings, sample_posterior, settings_for
 from npslam_teach.methods.noise import with_noise
@@ -17,7 +17,7 @@ from npslam_teach.methods.noise_estimate import estimate_noise
 from npslam_teach.methods.snapshots import snapshot
 from npslam_teach.pose_graph import fit
 from npslam_teach.system.progress import track
-from npslam_teach.types import RobotLog
+from npslam_teach.types import PoseGraph, RobotLog
 
 LEAST_SAMPLES = 16  # four for each chain: fewer tell nothing of how they agree
 MINDS_THE_NOISE = ("np-graph", "ekf", "posterior")  # the others do not close loops, so that their chi2 is of drift
@@ -62,6 +62,11 @@ def sampled(options, log: RobotLog, settings: dict, found: experiments.Run) -> d
     return {"posterior": samples_result(sample_posterior(log, options.samples, found=found.snapshots[-1], **known))}
 
 
+def with_added_noise(options, log: RobotLog) -> RobotLog:
+    """The log with more noise, where that is asked for."""
+    return simulate.add_noise(log, options.noise, np.random.default_rng(options.seed)) if options.noise != 0 else log
+
+
 def with_estimated_noise(options, log: RobotLog) -> tuple[RobotLog, dict]:
     """Where it is asked for, the log with the noise that its residuals show, and what was found."""
     if not options.estimate_noise:
@@ -83,14 +88,14 @@ def with_estimated_noise(options, log: RobotLog) -> tuple[RobotLog, dict]:
     return estimate.applied_to(log), {"estimated_noise": numbers}
 
 
-def agreement(options, log: RobotLog, found: experiments.Run) -> dict:
+def agreement(options, found: experiments.Run, refitted: PoseGraph) -> dict:
     """How well the associations fit the log's own noise: chi2 per degree of freedom, and one score for all methods."""
     last, given = found.snapshots[-1], {"alpha": options.alpha, "area": options.area}
-    constants, graph = {name: value for name, value in given.items() if value is not None}, refit(last, log)
+    constants = {name: value for name, value in given.items() if value is not None}
     return {
-        "score": refitted_objective(last, log, graph=graph, **constants),
-        "chi2_per_dof": chi2_per_dof(graph),
-        "dof": degrees_of_freedom(graph),
+        "score": refitted_objective(last, found.log, graph=refitted, **constants),
+        "chi2_per_dof": chi2_per_dof(refitted),
+        "dof": degrees_of_freedom(refitted),
     }
 
 

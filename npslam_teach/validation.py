@@ -20,7 +20,9 @@ def checked_array(name: str, value, shape: tuple, dtype=float, gaps: bool = Fals
     is_empty_list = array.size == 0 and array.dtype == float
     if array.dtype.kind not in kinds and not is_empty_list:
         wanted = "real numbers" if dtype is float else "integers"
-        raise ValueError(f"{name}: expected {wanted}, got dtype {array.dtype}")
+        are_whole = array.dtype.kind == "f" and (array == np.floor(array)).all()
+        hint = "; all are whole, so .astype(int) will do" if are_whole else ""
+        raise ValueError(f"{name}: expected {wanted}, got dtype {array.dtype}{hint}")
     if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
         wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
         raise ValueError(f"{name}: expected shape {wanted}, got {array.shape}")

@@ -130,16 +130,21 @@ def remarks(options, log: RobotLog, settings: dict, found: experiments.Run, fits
     if carried and METHODS[options.method].settings["odometry_std"] is not None:
         text = f"{options.method} assumes one noise for all: {' and '.join(carried)} of the log have no effect"
         warnings.warn(text, stacklevel=2)
-    ratio, margin = fits["chi2_per_dof"], 3 * math.sqrt(2 / max(fits["dof"], 1))
-    if options.method in MINDS_THE_NOISE and not (min(0.5, 1 - margin) <= ratio <= max(2.0, 1 + margin)):
-        text = f"chi2 per degree of freedom is {ratio:.3g}: the noise in the log is wrong, or who is who; see"
-        warnings.warn(f"{text} --estimate-noise", stacklevel=2)
+    if options.method in MINDS_THE_NOISE and _misfits(fits["chi2_per_dof"], fits["dof"]):
+        text = f"chi2 per degree of freedom is {fits['chi2_per_dof']:.3g}: the noise in the log is wrong, or who is who"
+        warnings.warn(f"{text}; see --estimate-noise", stacklevel=2)
     threshold, most = settings.get("threshold"), 1 / (1 + alpha)  # of the probability that two observations are one
     if options.method == "np-graph" and threshold is not None and threshold >= most:
         text = f"--threshold {threshold:g}: expected less than {most:.3f}, the most that two observations can reach"
         warnings.warn(f"{text}; nothing can be merged", stacklevel=2)
     if options.method != "frame-by-frame" and last.num_objects == log.num_observations > 1:
         warnings.warn("nothing was merged: every observation is an object of its own", stacklevel=2)
+
+
+def _misfits(ratio: float, dof: int) -> bool:
+    """Whether chi2 per degree of freedom is off by more than chance explains, and by a factor of two."""
+    margin = 3 * math.sqrt(2 / max(dof, 1))
+    return dof > 0 and not (min(0.5, 1 - margin) <= ratio <= max(2.0, 1 + margin))
 
 
 def searches_of(found: experiments.Run) -> int:

@@ -96,6 +96,11 @@ def block_structure(sizes: np.ndarray, groups: list[BlockGroup]) -> BlockStructu
             variable needs a block on the diagonal.
     """
     sizes = np.asarray(sizes, dtype=np.int64)
+    shapes = tuple((group.height, group.width, len(group.rows)) for group in groups)
+    if len(sizes) == 0:  # everything is fixed, and no number has a place
+        nothing = np.zeros(0, dtype=np.int64)
+        slots = np.zeros(sum(math.prod(shape) for shape in shapes), dtype=np.int64)
+        return BlockStructure(sizes, nothing, nothing, np.zeros(1, np.int32), np.zeros(0, np.int32), shapes, slots)
     low = np.concatenate([np.minimum(group.rows, group.cols) for group in groups])
     high = np.concatenate([np.maximum(group.rows, group.cols) for group in groups])
     apart = (low != FIXED) & (low < high)
@@ -112,7 +117,6 @@ def block_structure(sizes: np.ndarray, groups: list[BlockGroup]) -> BlockStructu
     # How many numbers stand above each contributed block in its own columns.
     above = height_over_diagonal[high]
     above[apart] = (_starts(heights) - _starts(height_over_diagonal)[block_cols])[which]
-    shapes = tuple((group.height, group.width, len(group.rows)) for group in groups)
     slots, indices = _slots(groups, above, indptr, _starts(sizes))
     indptr, indices = indptr.astype(np.int32), indices.astype(np.int32)
     return BlockStructure(sizes, block_rows, block_cols, indptr, indices, shapes, slots)

@@ -11,7 +11,8 @@ import warnings
 
 from npslam_teach import __version__
 from npslam_teach.cli.import_options import add_import_options
-from npslam_teach.cli.option_types import count, index, method, method_names, methods, number, numbers, port
+from npslam_teach.cli.method_help import methods_text
+from npslam_teach.cli.option_types import count, index, method, methods, number, numbers, port
 from npslam_teach.cli.output_files import Once
 from npslam_teach.system.progress import progress_shown
 
@@ -19,12 +20,11 @@ from npslam_teach.system.progress import progress_shown
 class _Parser(argparse.ArgumentParser):
     """A parser that says what is wrong in one line; ``--help`` has the rest."""
 
-    names_of_methods = None  # of a command that has methods; asked for only when its help is printed
+    more_help = None  # a function that writes what stands below the options; called only when help is printed
 
     def format_help(self) -> str:
-        if self.names_of_methods is not None:
-            self.epilog = f"Methods: {', '.join(self.names_of_methods())}."
-        return super().format_help()
+        below = "" if self.more_help is None else f"\n{self.more_help()}\n"
+        return super().format_help() + below
 
     def error(self, message: str):
         self.exit(2, f"{self.prog}: {message}\n")
@@ -150,7 +150,7 @@ def _add_solve(subparsers) -> None:
     solve = _add(subparsers, "solve", "run one method on a robot log")
     text = "a .npz or .csv log, a folder of .csv files, or one of the authors' .mat files"
     solve.add_argument("log", metavar="LOG", help=text)
-    solve.names_of_methods = method_names
+    solve.more_help = methods_text
     solve.add_argument("--method", type=method, default="np-graph", metavar="NAME", help="see below; default np-graph")
     solve.add_argument("--alpha", type=number, metavar="A", help="concentration of the Dirichlet process (default 0.9)")
     solve.add_argument("--threshold", type=number, metavar="P", help="accept the best match above this probability")

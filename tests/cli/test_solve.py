@@ -11,6 +11,8 @@ from layouts import LOG_FIELDS
 
 from npslam_teach import datasets, evaluation, pose_graph
 from npslam_teach.association import count_votes, objective
+from npslam_teach.cli import parser, solving
+from npslam_teach.cli.method_help import MEANINGS
 from npslam_teach.methods import METHODS, paper_settings, settings_for
 
 METRICS = {
@@ -341,3 +343,20 @@ def test_covariances_without_effect_are_told(capsys, tmp_path):
     assert "np-graph assumes one noise for all: observation_cov of the log have no effect" in err
     _, _, err = call(capsys, "solve", path, "--method", "ekf")
     assert "have no effect" not in err
+
+
+def test_help_says_what_each_option_means_for_each_method(capsys):
+    """Neither an option that a method refuses, nor one that it takes and nothing is said about."""
+    beside = {"np-graph": {"restarts"}, "ekf": {"filter-only"}, "posterior": {"samples"}}
+    for name, method in METHODS.items():
+        taken = {option.replace("_", "-") for option in method.settings if option in solving.GIVEN}
+        taken |= {"iterations"} & set(method.settings)
+        assert set(MEANINGS[name]) == taken | beside.get(name, set()), name
+    with pytest.raises(SystemExit) as stopped:
+        parser.main(["solve", "--help"])
+    out = capsys.readouterr().out
+    assert stopped.value.code == 0
+    words = " ".join(out.split())
+    for name, method in METHODS.items():
+        assert f"{name}: {method.assumes}" in words
+        assert all(f"--{option}: {meaning}" in words for option, meaning in MEANINGS[name].items())

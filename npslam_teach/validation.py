@@ -94,3 +94,9 @@ def _are_definite(matrices: np.ndarray) -> bool:
     except np.linalg.LinAlgError:
         return False
     return True
+
+
+def require_distributions(name: str, rows: np.ndarray) -> None:
+    """Raise ``ValueError`` unless every row (C,) holds probabilities that sum to one, but for a file's rounding."""
+    if (rows < 0).any() or not np.allclose(rows.sum(axis=-1), 1.0, atol=1e-3):
+        raise ValueError(f"{name}: expected rows of probabilities that sum to one")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from npslam_teach.cli import reports
 from npslam_teach.cli.checkout import ROOT
-from npslam_teach.cli.output_files import announce, folder_named, writer
+from npslam_teach.cli.output_files import announce, folder_named, require_names, writer
 
 SOLVE_FILES = (".json", ".g2o", ".tum", ".csv")
 
@@ -106,6 +106,16 @@ def reproduce(options) -> int:
     return 0
 
 
+def sweep(options) -> int:
+    """Run methods over a grid of points; the table grows row by row, and a second call goes on."""
+    from npslam_teach.cli.sweep_options import run_sweep
+
+    require_names([options.out], (".csv", ".parquet"))  # what is there is continued, not replaced
+    points, computed, failed = run_sweep(options)
+    print(f"{options.out}: {points} runs, {computed} of them computed now" + (f", {failed} failed" if failed else ""))
+    return 0
+
+
 def optimize(options) -> int:
     """Solve a pose graph read from a file; the seconds are those from arrays to solution."""
     from npslam_teach import datasets, pose_graph
@@ -129,12 +139,31 @@ def optimize(options) -> int:
 
 
 def figures(options) -> int:
-    """Draw every figure of the course anew."""
+    """Draw every figure of the course anew, or those of a sweep."""
+    if options.sweep is not None:
+        return _draw_sweep(options)
     from npslam_teach.course import all_figures
 
     folder = ROOT / "figures" if options.out is None else folder_named(options.out)
     folder.mkdir(parents=True, exist_ok=True)
     all_figures.draw_all(folder)
+    print(f"figures: {folder}")
+    return 0
+
+
+def _draw_sweep(options) -> int:
+    from npslam_teach import plotting
+    from npslam_teach.experiments import sweep_files
+    from npslam_teach.system import files
+
+    rows = sweep_files.read_rows(options.sweep)
+    folder = folder_named(str(Path(options.sweep).with_suffix("")) if options.out is None else options.out)
+    plotting.style.put_settings_aside()
+    with files.prefix_errors(options.sweep):
+        drawn = plotting.success_figures(rows)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, figure in drawn.items():
+        plotting.save(figure, folder / name)
     print(f"figures: {folder}")
     return 0
 

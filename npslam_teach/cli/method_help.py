@@ -38,6 +38,11 @@ MEANINGS = {  # by method, what its options mean; a test compares them with what
         **OWN_NOISE,
         "filter-only": "the raw filter, not smoothed at the end",
     },
+    "soft-em": {
+        "iterations": "rounds of expectation and maximization at most",
+        "gate": "the share of right matches that are considered at all",
+        **OWN_NOISE,
+    },
     "posterior": {
         "alpha": "concentration of the Dirichlet process: the prior on the number of objects",
         "area": "over which objects are uniform; by default the box around all that was seen",
@@ -46,6 +51,13 @@ MEANINGS = {  # by method, what its options mean; a test compares them with what
         "samples": "draw so many partitions around the best one",
     },
 }
+
+
+def names_text() -> str:
+    """The names of all methods."""
+    from npslam_teach.methods import METHODS
+
+    return f"Methods: {', '.join(METHODS)}."
 
 
 def methods_text() -> str:

@@ -41,8 +41,8 @@ def folder_named(name: str | None, is_new: bool = False) -> Path | None:
     return Path(name)
 
 
-def writer(names: list[str], suffixes: tuple) -> Callable:
-    """A function that writes the result where ``--out`` says; a bad name is refused before any work is done."""
+def require_names(names: list[str], suffixes: tuple) -> None:
+    """Raise a sentence about the first name that nothing can be written to."""
     for out in names:
         suffix = Path(out).suffix.lower()
         if suffix not in suffixes:
@@ -51,6 +51,12 @@ def writer(names: list[str], suffixes: tuple) -> Callable:
             raise FileNotFoundError(f"--out {out}: expected a folder to write into, found none")
         if sum(Path(out).resolve() == Path(other).resolve() for other in names) > 1:
             raise ValueError(f"--out {out}: expected every file once, got it twice")
+
+
+def writer(names: list[str], suffixes: tuple) -> Callable:
+    """A function that writes the result where ``--out`` says; a bad name is refused before any work is done."""
+    require_names(names, suffixes)
+    for out in names:
         announce(out)
 
     def write(result: dict, graph, run=None) -> None:

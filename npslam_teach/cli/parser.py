@@ -11,23 +11,11 @@ import warnings
 
 from npslam_teach import __version__
 from npslam_teach.cli.import_options import add_import_options
-from npslam_teach.cli.method_help import methods_text
-from npslam_teach.cli.option_types import count, index, method, methods, number, numbers, port
+from npslam_teach.cli.method_help import methods_text, names_text
+from npslam_teach.cli.option_types import Parser, count, index, method, methods, number, numbers, port
 from npslam_teach.cli.output_files import Once
+from npslam_teach.cli.sweep_options import add_sweep_options
 from npslam_teach.system.progress import progress_shown
-
-
-class _Parser(argparse.ArgumentParser):
-    """A parser that says what is wrong in one line; ``--help`` has the rest."""
-
-    more_help = None  # a function that writes what stands below the options; called only when help is printed
-
-    def format_help(self) -> str:
-        below = "" if self.more_help is None else f"\n{self.more_help()}\n"
-        return super().format_help() + below
-
-    def error(self, message: str):
-        self.exit(2, f"{self.prog}: {message}\n")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -82,14 +70,15 @@ def _explain(program: str, command: str, error: Exception) -> int:
 
 def build_parser() -> argparse.ArgumentParser:
     """The parser of all commands; each sets ``command`` to the name of its function in ``commands`` or ``checkout``."""
-    parser = _Parser(prog="npslam_teach", description="Object SLAM with unknown data association, taught step by step.")
+    parser = Parser(prog="npslam_teach", description="Object SLAM with unknown data association, taught step by step.")
     parser.add_argument("--version", action="version", version=f"npslam_teach {__version__}")
-    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=_Parser)
+    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=Parser)
     _add_lab(subparsers)
     _add_fetch(subparsers)
     _add_test(subparsers)
     _add_bench(subparsers)
     _add_reproduce(subparsers)
+    _add_sweep(subparsers)
     _add_solve(subparsers)
     _add_import(subparsers)
     _add_optimize(subparsers)
@@ -144,6 +133,12 @@ def _add_reproduce(subparsers) -> None:
     text = "draw figures 14 to 17 of the first run into this folder"
     reproduce.add_argument("--figures", action=Once, metavar="DIR", help=text)
     _add_json(reproduce)
+
+
+def _add_sweep(subparsers) -> None:
+    sweep = _add(subparsers, "sweep", "run methods over noise, settings and seeds, here or on a cluster")
+    sweep.more_help = names_text
+    add_sweep_options(sweep)
 
 
 def _add_solve(subparsers) -> None:
@@ -210,6 +205,8 @@ def _add_optimize(subparsers) -> None:
 def _add_figures(subparsers) -> None:
     figures = _add(subparsers, "figures", "draw every figure of the course anew")
     figures.add_argument("--out", action=Once, metavar="DIR", help="default: the folder figures beside the package")
+    text = "draw the success of a sweep's runs instead (default folder: FILE without its ending)"
+    figures.add_argument("--sweep", metavar="FILE", help=text)
 
 
 def _add_site(subparsers) -> None:

@@ -2,6 +2,7 @@
 
 import math
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -126,10 +127,8 @@ def remarks(options, log: RobotLog, settings: dict, found: experiments.Run, fits
     if options.method == "posterior" and searches_of(found) == starts:
         text = f"all {starts} searches were needed, and the best partition may not have been found twice; see --starts"
         warnings.warn(text, stacklevel=2)
-    carried = [name for name in ("odometry_cov", "observation_cov") if getattr(log, name) is not None]
-    if carried and METHODS[options.method].settings["odometry_std"] is not None:
-        text = f"{options.method} assumes one noise for all: {' and '.join(carried)} of the log have no effect"
-        warnings.warn(text, stacklevel=2)
+    for text in _without_effect(options.method, log):
+        warnings.warn(f"{text} of the log have no effect", stacklevel=2)
     if options.method in MINDS_THE_NOISE and _misfits(fits["chi2_per_dof"], fits["dof"]):
         text = f"chi2 per degree of freedom is {fits['chi2_per_dof']:.3g}: the noise in the log is wrong, or who is who"
         warnings.warn(f"{text}; see --estimate-noise", stacklevel=2)
@@ -145,6 +144,15 @@ def _misfits(ratio: float, dof: int) -> bool:
     """Whether chi2 per degree of freedom is off by more than chance explains, and by a factor of two."""
     margin = 3 * math.sqrt(2 / max(dof, 1))
     return dof > 0 and not (min(0.5, 1 - margin) <= ratio <= max(2.0, 1 + margin))
+
+
+def _without_effect(method: str, log: RobotLog) -> Iterator[str]:
+    """What a log carries and a method does not look at, and what it assumes instead."""
+    carried = [name for name in ("odometry_cov", "observation_cov") if getattr(log, name) is not None]
+    if carried and METHODS[method].settings["odometry_std"] is not None:
+        yield f"{method} assumes one noise for all: {' and '.join(carried)}"
+    if log.class_probabilities is not None and not METHODS[method].sees_classes:
+        yield f"{method} takes the most likely class for certain: class_probabilities"
 
 
 def searches_of(found: experiments.Run) -> int:

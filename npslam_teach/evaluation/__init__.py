@@ -15,7 +15,7 @@ from npslam_teach.evaluation.consistency import (
     true_association_fit,
 )
 from npslam_teach.evaluation.map_quality import MapQuality, map_quality, position_variance, valid_only
-from npslam_teach.evaluation.metrics import Metrics, align_to_truth, distances_to_truth, evaluate
+from npslam_teach.evaluation.metrics import Metrics, align_to_truth, compared_labels, distances_to_truth, evaluate
 from npslam_teach.evaluation.score import refit, refitted_objective
 
 __all__ = [
@@ -24,6 +24,7 @@ __all__ = [
     "align_to_truth",
     "chi2_per_dof",
     "compare_partitions",
+    "compared_labels",
     "copies_of",
     "distances_to_truth",
     "evaluate",

@@ -55,7 +55,7 @@ def evaluate(snapshot: Snapshot, truth: GroundTruth, log: RobotLog, refitted: Po
         )
     pose_errors, object_errors = distances_to_truth(snapshot, truth)
     num_used = int(np.count_nonzero(snapshot.labels >= 0))
-    ari, v_measure, num_objects_true = _compared_labels(snapshot.labels, truth.obs_object)
+    ari, v_measure, num_objects_true = compared_labels(snapshot.labels, truth.obs_object)
     return Metrics(
         mean_pose_error=_mean(pose_errors),
         rmse_pose_error=float(np.sqrt(_mean(pose_errors**2))),
@@ -102,8 +102,13 @@ def align_to_truth(poses: np.ndarray, truth: GroundTruth) -> np.ndarray | None:
     return se2.align(poses[known, :2], truth.poses[known, :2])
 
 
-def _compared_labels(labels: np.ndarray, true_object: np.ndarray) -> tuple[float, float, float]:
-    """ARI, V-measure and the true number of objects, of the observations whose object is known."""
+def compared_labels(labels: np.ndarray, true_object: np.ndarray) -> tuple[float, float, float]:
+    """ARI, V-measure and the true number of objects, of the observations whose object is known; else NaN.
+
+    Args:
+        labels: (N,) of an estimate, -1 for what it leaves out.
+        true_object: (N,) as in ``GroundTruth.obs_object``.
+    """
     known = true_object != UNKNOWN
     if not known.any() and known.size:
         return float("nan"), float("nan"), float("nan")

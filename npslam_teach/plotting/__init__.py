@@ -15,6 +15,7 @@ from npslam_teach.plotting.maps import plot_objects, plot_snapshot, plot_traject
 from npslam_teach.plotting.panels import animate, plot_iterations, plot_methods
 from npslam_teach.plotting.result import result_figures
 from npslam_teach.plotting.style import class_style, method_style, new_figure
+from npslam_teach.plotting.success_maps import plot_share_table, success_figures
 
 __all__ = [
     "animate",
@@ -32,8 +33,10 @@ __all__ = [
     "plot_trajectory",
     "plot_truth",
     "plot_view",
+    "plot_share_table",
     "result_figures",
     "save",
     "show",
     "show_animation",
+    "success_figures",
 ]

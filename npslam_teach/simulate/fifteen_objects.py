@@ -1,5 +1,8 @@
 """The fifteen-object scene: our own version of the paper's simulation (paper section V.A; deck figure 14)."""
 
+from dataclasses import replace
+from functools import cache
+
 import numpy as np
 
 from npslam_teach.simulate.robot_run import follow, paper_sensor, simulate_run, visible_objects
@@ -8,7 +11,9 @@ from npslam_teach.types import GroundTruth, RobotLog, SensorModel, World
 FIFTEEN_CLASSES = ("chair", "screen", "cup", "book", "lamp")
 
 
-def fifteen_objects(seed: int = 2016, noise: float = 1.0) -> tuple[RobotLog, GroundTruth]:
+def fifteen_objects(
+    seed: int = 2016, noise: float = 1.0, class_confusion: np.ndarray | None = None
+) -> tuple[RobotLog, GroundTruth]:
     """Our own version of the paper's simulation: 15 objects, 5 classes of 3, a path that sees each several times.
 
     The seed determines both the world and the noise, so a result over many seeds is a result over many worlds. Worlds
@@ -18,9 +23,10 @@ def fifteen_objects(seed: int = 2016, noise: float = 1.0) -> tuple[RobotLog, Gro
     Args:
         seed: of ``numpy.random.default_rng``; the default is the year of the paper.
         noise: 1 is the paper's run; see ``paper_sensor``.
+        class_confusion: (5, 5), see ``SensorModel``; None: no class is ever confused, as in the paper.
     """
     rng = np.random.default_rng(seed)
-    path, sensor = designed_path(), paper_sensor(noise)
+    path, sensor = designed_path(), replace(paper_sensor(noise), class_confusion=class_confusion)
     world = scattered_world(3, FIFTEEN_CLASSES, rng)
     while num_visits(world, path, sensor).min() < 2:
         world = scattered_world(3, FIFTEEN_CLASSES, rng)
@@ -72,6 +78,7 @@ def scattered_world(
     raise ValueError(f"size: expected room for {num_objects} separate objects, got a square of {size} m")
 
 
+@cache
 def designed_path(step: float = 0.1) -> np.ndarray:
     """The designed path of the fifteen-object scene: a closed line of 70 m that loops three times.
 
@@ -82,10 +89,12 @@ def designed_path(step: float = 0.1) -> np.ndarray:
         step: m between one pose and the next.
 
     Returns:
-        (T, 3) poses in W, heading along the path.
+        (T, 3) poses in W, heading along the path; read-only, because many runs share them.
     """
     phase = np.linspace(0.0, 2 * np.pi, 20_001)
     radius, loops = 2.75, 3
     x = np.cos(phase) + np.cos((loops + 1) * phase)
     y = np.sin(phase) + np.sin((loops + 1) * phase)
-    return follow(5.0 + radius * np.column_stack([x, y]), step)
+    path = follow(5.0 + radius * np.column_stack([x, y]), step)
+    path.setflags(write=False)
+    return path

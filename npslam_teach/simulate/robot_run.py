@@ -139,10 +139,10 @@ def visible_objects(
         low, high = stretch[:, :2].min(axis=0) - sensor.max_range, stretch[:, :2].max(axis=0) + sensor.max_range
         near = np.flatnonzero(((places >= low) & (places <= high)).all(axis=2).any(axis=0))
         xy = se2.apply_inverse(stretch[:, None, :], places[:, near])
-        in_range = np.linalg.norm(xy, axis=-1) < sensor.max_range
-        in_view = np.abs(np.arctan2(xy[..., 1], xy[..., 0])) < sensor.field_of_view / 2
-        time, obj = np.nonzero(in_range & in_view)
-        observations.append((begin + time, near[obj], xy[time, obj]))
+        time, obj = np.nonzero(np.linalg.norm(xy, axis=-1) < sensor.max_range)
+        xy = xy[time, obj]
+        in_view = np.abs(np.arctan2(xy[:, 1], xy[:, 0])) < sensor.field_of_view / 2
+        observations.append((begin + time[in_view], near[obj[in_view]], xy[in_view]))
     return tuple(np.concatenate(parts) for parts in zip(*observations, strict=True))
 
 

@@ -24,6 +24,19 @@ def hold_lock(path: Path) -> "Iterator[int]":
         yield file.fileno()
 
 
+@contextlib.contextmanager
+def lock_or_raise(path: Path, sentence: str) -> "Iterator[None]":
+    """Hold a lock as `hold_lock` does, or raise `ValueError` with this sentence; its file goes with it."""
+    with path.open("a") as file:
+        if not _try_lock(file.fileno()):
+            raise ValueError(sentence)
+        try:
+            yield
+        finally:
+            with contextlib.suppress(OSError):  # Windows keeps a file that is open
+                path.unlink()
+
+
 def _try_lock(descriptor: int) -> bool:
     try:
         if os.name == "nt":

@@ -31,6 +31,7 @@ def test_every_command_has_its_function():
         "bench",
         "reproduce",
         "solve",
+        "sweep",
         "optimize",
         "figures",
         "site",

@@ -2,7 +2,6 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Circle
 
 from npslam_teach import se2
@@ -12,7 +11,6 @@ from npslam_teach.plotting.style import (
     CLASS_COLORS,
     CLASS_MARKERS,
     ESTIMATE_COLOR,
-    TEXT_SIZE,
     TRUTH_LINE,
     class_style,
     label_axes,
@@ -20,6 +18,7 @@ from npslam_teach.plotting.style import (
     legend_beside,
     method_style,
 )
+from npslam_teach.plotting.success_maps import plot_share_table
 from npslam_teach.types import GroundTruth, RobotLog
 
 SENSOR_LOOK = {"color": CLASS_COLORS[5], "marker": CLASS_MARKERS[6], "linestyle": "--"}
@@ -35,7 +34,6 @@ CAUSES = {  # the paper's method alone, and with more rounds, true values or a s
     "scaled, true start": "true start sensor",
     "true identities": "true identities",
 }
-_NONE_TO_ALL = LinearSegmentedColormap.from_list("none_to_all", ["#f6f6f6", "#9dc3e0"])  # black text on all of it
 
 
 def look_of(case: str) -> dict:
@@ -102,15 +100,9 @@ def plot_shares(ax: Axes, cases: dict, noises: tuple) -> Axes:
         cases: name of the row to case of the table.
         noises: the columns.
     """
-    shares = np.array([[table.share_of(case, noise) for noise in noises] for case in cases.values()])
-    ax.imshow(shares[..., 0] / shares[..., 1], cmap=_NONE_TO_ALL, vmin=0, vmax=1, aspect="auto")
-    for (row, column), right in np.ndenumerate(shares[..., 0]):
-        runs, low, high = shares[row, column, 1:]
-        text = f"{right:.0f} of {runs:.0f}\n{100 * low:.0f} to {100 * high:.0f} %"
-        ax.text(column, row, text, ha="center", va="center", fontsize=TEXT_SIZE["tick"])
+    shares = [[table.share_of(case, noise) for noise in noises] for case in cases.values()]
+    plot_share_table(ax, shares, list(cases), [f"{noise:g}" for noise in noises])
     label_axes(ax, "noise (times the paper's)", "what was run", "runs that were right, and 95 % intervals of the share")
-    ax.set_xticks(range(len(noises)), [f"{noise:g}" for noise in noises])
-    ax.set_yticks(range(len(cases)), list(cases))
     ax.grid(False)
     return ax
 

@@ -89,6 +89,8 @@ def as_array(name: str, answer, shape: tuple) -> tuple[np.ndarray | None, Verdic
         array = np.array(array, dtype=float)
     except Exception:  # rows of different lengths, numbers beyond floats, a class with an __array__ of its own
         return None, no_numbers
+    if array.size == 0 == np.prod(shape):  # a list of no rows cannot say how long they are
+        return np.empty(shape), None
     if array.shape != shape:
         return None, wrong(f"{name} should have shape {shape}, yours has {array.shape}")
     if not np.isfinite(array).all():

@@ -167,13 +167,24 @@ def _run(function, truth, parts, single, arguments) -> tuple[list[_Answer] | Non
             return None, wrong(
                 f"your code changes its argument {name}: whoever calls it still needs that; work on a copy"
             )
-    if not single:
-        if any(is_blank(each) for each in (answer if isinstance(answer, tuple | list) else [])):
-            return None, wrong(BLANK)
-        if not isinstance(answer, tuple | list | np.ndarray) or len(answer) != len(parts):
-            wanted = " and ".join(part.name for part in parts)
-            return None, wrong(f"return {len(parts)} things: {wanted}; yours is {type(answer).__name__}")
+    verdict = None if single else _wrong_tuple(parts, answer)
+    if verdict is not None:
+        return None, verdict
     return _read(parts, [answer] if single else list(answer), truth, arguments, single)
+
+
+def _wrong_tuple(parts: tuple[Part, ...], answer) -> Verdict | None:
+    """None for as many things as there are parts, none of them blank."""
+    if (
+        not isinstance(answer, tuple | list | np.ndarray)
+        or getattr(answer, "shape", None) == ()
+        or len(answer) != len(parts)
+    ):
+        return wrong(f"return two things: {' and '.join(part.name for part in parts)}")
+    blank = [part.name for part, each in zip(parts, answer, strict=True) if is_blank(each)]
+    if not blank:
+        return None
+    return wrong(BLANK if len(blank) == len(parts) else f"{blank[0]} is still the dots")
 
 
 def _read(parts, answer, truth, arguments, single) -> tuple[list[_Answer] | None, Verdict | None]:

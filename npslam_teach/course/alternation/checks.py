@@ -129,7 +129,7 @@ def check_one_alternation(student: Callable) -> Verdict:
             _half(*t)[1]
         ),
     }
-    trials = [each for _ in range(3) for each in _rounds()]
+    trials = [each for _ in range(2) for each in _rounds()]
     hints = (
         "the labels differ: carry every sighting into the room along graph.poses, and sweep once",
         "the labels are right, the graph is not: solve once, from the present poses, with observation_std",
@@ -138,8 +138,9 @@ def check_one_alternation(student: Callable) -> Verdict:
         Part("the labels", of_labels, grouped_alike, hint=hints[0]),
         Part("the graph", of_graph, _solved_alike, hint=hints[1], read=_read_graph),
     )
+    edges = {"with two sightings whose weight, 0.35, lies between two values of alpha": [_pair(0.25), _pair(0.45)]}
     praise = "repeat it until no label changes, and you have the whole method"
-    return check_function(student, truth, parts, trials, {}, praise)
+    return check_function(student, truth, parts, trials, edges, praise)
 
 
 def _half(log, graph, labels, alpha, observation_std) -> tuple[np.ndarray, PoseGraph]:
@@ -193,6 +194,15 @@ def _rounds() -> list[tuple]:
         (shaken, graph, labels, alpha, std)
         for graph, labels in ((first.graph, first.labels), (later, first.labels), (tied, grouped))
     ]
+
+
+def _pair(alpha: float) -> tuple:
+    """Arguments of a round for two sightings of one class that weigh 0.35 to each other."""
+    xy = np.array([[1.0, 0.0], [1.0 + math.sqrt(-math.log(0.35) / 4), 0.0]])
+    none = np.zeros(2, dtype=int)
+    log = RobotLog(np.array([[0.5, 0.0, 0.1]]), none, xy, none, 1, np.full(3, 0.1), np.full(2, 0.1))
+    first = initial_snapshot(log, PAPER_ODOMETRY_STD, (0.2, 0.3), alpha)
+    return log, first.graph, first.labels, alpha, (0.2, 0.3)
 
 
 def check_kept(student: Callable) -> Verdict:

@@ -119,7 +119,7 @@ def check_false_positives(function: Callable) -> Verdict:
     }
     rng = fresh()
     # At the thresholds that are powers of two an object can be exactly at it, whatever the rounding.
-    trials = [(_few_votes(rng), epsilon) for epsilon in (0.5, 0.49, 0.3, 0.25, 0.125, *rng.uniform(0.05, 0.6, 8))]
+    trials = [(_few_votes(rng), epsilon) for epsilon in (0.5, 0.49, 0.3, 0.25, 0.2, 0.125, *rng.uniform(0.05, 0.6, 8))]
     edges = {
         "with an object without a sighting": [(np.array([[1.0, 0.0, 0.0], [1.0, 3.0, 0.0]]), 0.4)],
         "with no object": [(np.empty((0, 3)), 0.4)],

@@ -183,6 +183,9 @@ def check_sweep(function: Callable) -> Verdict:
         "with an object that has no vote, in the way": [
             (labels, np.vstack([landmarks, xy.mean(axis=0)]), xy, obs_class, alpha)
         ],
+        "with an object far from its sightings, which find each other in a new one": [
+            (np.zeros(6, dtype=int), np.full((1, 2), 9.0), 1 + rng.normal(0, 0.05, (6, 2)), np.zeros(6, dtype=int), 0.5)
+        ],
         "with two classes in one object": [
             (np.zeros(6, dtype=int), np.zeros((1, 2)), np.zeros((6, 2)), np.array([0, 1, 0, 1, 1, 0]), 0.5)
         ],

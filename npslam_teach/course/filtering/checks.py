@@ -95,13 +95,13 @@ def check_match_frame(match_frame: Callable) -> Verdict:
     rng, trials = fresh(), [(np.array([[1.0, 2.0], [1.5, 8.0]]), 9.0)]
     trials += [(np.array([[0.0, 9.1], [0.1, 30.0]]), 9.0), (np.array([[4.0]]), 3.0)]
     while len(trials) < 60:
-        squared_distance = rng.uniform(0, 14, rng.integers(1, 4, 2))
-        # Another class is infinitely far away.
-        squared_distance[rng.random(squared_distance.shape) < 0.15] = np.inf
-        trials.append((squared_distance, float(rng.choice([4.0, 9.0, rng.uniform(2, 12)]))))
+        trials.append((rng.uniform(0, 14, rng.integers(1, 4, 2)), float(rng.choice([4.0, 9.0, rng.uniform(2, 12)]))))
     edges = {
         "with no object yet": [(np.empty((2, 0)), 9.0)],
         "with no sighting": [(np.empty((0, 3)), 9.0)],
+        "with objects of other classes, which are infinitely far away": [
+            (np.where(rng.random(d.shape) < 0.4, np.inf, d), gate) for d, gate in trials[3:18]
+        ],
         "with infinite distances alone": [(np.full((2, 2), np.inf), 9.0)],
     }
     praise = "no two sightings share an object, and nothing beyond the gate is matched"
@@ -154,8 +154,8 @@ def check_add_object(add_object: Callable) -> Verdict:
         "with a state that is known exactly": [(mean, np.zeros((5, 5)), xy, std)],
     }
     parts = (
-        Part("the new mean", _part(variant, of_mean, 0), hint=_mean_difference),
-        Part("the new covariance", _part(variant, of_cov, 1), hint=_cov_difference),
+        Part("your mean", _part(variant, of_mean, 0), hint=_mean_difference),
+        Part("your covariance", _part(variant, of_cov, 1), hint=_cov_difference),
     )
     praise = "the state has grown by two, and the new object hangs on everything that the pose hangs on"
     return check_function(add_object, truth, parts, trials, edges, praise)

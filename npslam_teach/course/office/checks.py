@@ -132,9 +132,12 @@ def check_position_variance(position_variance: Callable) -> Verdict:
             (np.vstack([xy, rng.normal(size=(3, 2))]), left_out, num_objects)
         ],
         "with one object, seen once": [(xy[:1], np.zeros(1, dtype=int), 1)],
-        "with an object that has no sighting (any number will do for it, or none)": [(xy, labels, num_objects + 1)],
+        "with an object that has no sighting, for which 0 and NaN will do": [
+            (xy, np.minimum(labels, num_objects - 2), num_objects),
+            (np.vstack([xy, rng.normal(size=(3, 2))]), np.minimum(left_out, num_objects - 2), num_objects),
+        ],
     }
-    part = Part("the variances", mistakes, _same_where_seen, read=_read_variances)
+    part = Part("the variances", mistakes, _none_is_zero, read=_read_variances)
     praise = "noise, drift that was not repaired and two objects taken for one all show in this number"
     return check_function(position_variance, truth, part, trials, edges, praise)
 
@@ -145,13 +148,12 @@ def _each(xy: np.ndarray, labels: np.ndarray, num_objects: int, size: Callable, 
     return np.array([size(x - (x.mean(axis=0) if around is None else around)) if len(x) else np.nan for x in groups])
 
 
-def _same_where_seen(answer: np.ndarray, truth, tolerance: float) -> bool:
-    truth = np.asarray(truth, dtype=float)
-    return answer.shape == truth.shape and close(answer[seen := ~np.isnan(truth)], truth[seen], tolerance)
+def _none_is_zero(answer: np.ndarray, truth, tolerance: float) -> bool:
+    return close(answer, np.nan_to_num(truth), tolerance)
 
 
 def _read_variances(name: str, answer, shape: tuple):
-    """The last object may have none: NaN is read as any other number there."""
+    """NaN for the last object, which may have no sighting, is read as zero."""
     try:
         gap = np.isnan(np.asarray(answer, dtype=float))
         answer = np.where(gap, 0.0, answer) if gap.ndim == 1 and not gap[:-1].any() and len(gap) > 1 else answer
@@ -170,7 +172,7 @@ def check_valid_and_inliers(valid_and_inliers: Callable) -> Verdict:
         return [np.count_nonzero(valid), votes[valid, 1:].sum()]
 
     mistakes = {
-        "the false-positive votes are counted as sightings; they stand in column 0": lambda v, e: (
+        "the false-positive vote in column 0 is nobody's sighting: count the other columns": lambda v, e: (
             [truth(v, e)[0], v[~false_positives(v, e)].sum()]
         ),
         "these are the objects that are rejected": lambda v, e: counted(v, false_positives(v, e)),

@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
@@ -64,14 +64,13 @@ def check_front_end(my_front_end: Callable) -> Verdict:
         "a sighting takes the object of the one that it joins, not that one's place in the list": _nearest_index,
     }
     rng = fresh()
-    trials = [(rng.uniform(0, 3, (25, 2)), rng.integers(0, 2, 25), reach) for reach in (0.3, 0.5, 0.7, 0.4)]
+    trials = [(rng.uniform(0, 3, (25, 2)), rng.integers(0, 2, 25), reach) for reach in (0.3, 0.5, 0.7, 0.4, 0.6)]
     trials.append((np.column_stack([np.arange(6) * 0.4, np.zeros(6)]), np.zeros(6, dtype=int), 0.5))
-    exact = np.array([[0.0, 0.0], [0.5, 0.0], [0.0, 0.25]])
     edges = {
         "with no sighting at all": [(np.empty((0, 2)), np.empty(0, dtype=int), 0.5)],
         "with a single sighting": [(rng.uniform(0, 3, (1, 2)), np.array([2]), 0.5)],
-        "with two sightings exactly a reach apart, which is not nearer than it": [
-            (exact[:2], np.zeros(2, dtype=int), 0.5)
+        "with two objects within reach, of which one is nearer": [
+            (np.array([[0.0, 0.0], [0.8, 0.0], [x, 0.0]]), np.zeros(3, dtype=int), 0.5) for x in (0.45, 0.35)
         ],
         "with two classes at one place": [(np.zeros((4, 2)), np.array([0, 1, 1, 0]), 0.5)],
     }
@@ -127,8 +126,7 @@ def check_bell(bell: Callable) -> Verdict:
         "that leaves out groups that cross each other": lambda n: math.comb(2 * n, n) // (n + 1),
     }
     trials = [(int(n),) for n in fresh().permutation(np.arange(1, 12))]
-    digits = len(str(bell_numbers(1098)[1098]))
-    praise = f"for the deck's 1098 sightings the count has {digits} digits, and nobody can try them all"
+    praise = f"for the deck's 1098 sightings the count has {_digits(1098)} digits, and nobody can try them all"
     part = Part("your count", mistakes, hint="that many sightings can be grouped in another number of ways: draw them")
     verdict = check_function(bell, truth, part, trials, {}, praise)
     return (_large_counts(bell) if verdict.passed else None) or verdict
@@ -150,6 +148,11 @@ def _large_counts(bell: Callable) -> Verdict | None:
         if time.thread_time() - begun > 0.02:
             return None
     return None
+
+
+@cache
+def _digits(n: int) -> int:
+    return len(str(bell_numbers(n)[n]))
 
 
 def bell_numbers(highest: int) -> list[int]:

@@ -87,7 +87,7 @@ WRONG = [
     (3, lambda *t: (eliminate(*t)[0], -eliminate(*t)[1]), "keep the sign of b"),
     (3, lambda *t: (eliminate(*t)[0], 2 * eliminate(*t)[1]), "your gradient should be"),
     (3, lambda *t: (eliminate(*t)[0], ...), "your gradient is still the dots"),
-    (3, lambda *t: eliminate(*t)[0], "return two things"),
+    (3, lambda *t: eliminate(*t)[0], "your information should have shape"),
     (4, lambda x, n: (np.mean(x.max(axis=1) == n), together(x)), "labels count from 0"),
     (4, lambda x, n: (np.sum(x.max(axis=1) + 1 == n), together(x)), "divide by the number of samples"),
     (4, lambda x, n: (np.mean(x.max(axis=1) + 1 <= n), together(x)), "not at most"),

@@ -74,7 +74,7 @@ WRONG = {
         "Catalan": "lambda n: math.comb(2 * n, n) // (n + 1)",
         "one off": ("return ways[n]", "return ways[n - 1]"),
         "table of ten": "lambda n: [1, 1, 2, 5, 15, 52, 203, 877, 4140, 21147, 115975][n]",
-        "table of eleven, then zero": "lambda n: ([1, 1, 2, 5, 15, 52, 203, 877, 4140, 21147, 115975, 678570] + [0] * 99)[n]",
+        "table of eleven": "lambda n: ([1, 1, 2, 5, 15, 52, 203, 877, 4140, 21147, 115975, 678570] + 99 * [0])[n]",
         "64 bits": (
             "return ways[n]",
             "return np.array([w % 2**64 for w in ways], dtype=np.uint64).astype(np.int64)[n]",

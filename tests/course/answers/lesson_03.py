@@ -205,7 +205,7 @@ RIGHT = {
         "least squares": ("np.linalg.solve(H[3:, 3:], -b[3:])", "np.linalg.lstsq(H[3:, 3:], -b[3:], rcond=None)[0]"),
         "Cholesky": (
             "np.linalg.solve(H[3:, 3:], -b[3:])",
-            "__import__('scipy.linalg').linalg.cho_solve(__import__('scipy.linalg').linalg.cho_factor(H[3:, 3:]), -b[3:])",
+            "(L := np.linalg.inv(np.linalg.cholesky(H[3:, 3:]))).T @ L @ -b[3:]",
         ),
     },
     5: {

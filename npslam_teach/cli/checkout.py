@@ -93,10 +93,14 @@ def badges(options) -> int:
 
 
 def assignment(options) -> int:
-    """Write the student's copy of some lessons and the source that nbgrader grades."""
+    """Write the student's copy of lessons and the source that nbgrader grades; or the whole course for students."""
     from npslam_teach.publishing import assignments as making
+    from npslam_teach.publishing import student_course
 
     _require_checkout(ROOT / "notebooks")
+    if options.course:
+        print(student_course.write_student_course(ROOT, folder_named(options.out)))
+        return 0
     lessons = list(dict.fromkeys(options.lessons))
     folder = folder_named(options.out, is_new=True)
     for path in making.write_assignments(ROOT / "notebooks", lessons, folder, options.student):

@@ -232,10 +232,11 @@ def _add_badges(subparsers) -> None:
 
 def _add_assignment(subparsers) -> None:
     assignment = _add(subparsers, "assignment", "write the student's copy of lessons, and their source for nbgrader")
-    assignment.add_argument("lessons", nargs="+", metavar="LESSON", help="numbers of lessons, such as 04")
+    assignment.add_argument("lessons", nargs="*", metavar="LESSON", help="numbers of lessons, such as 04")
     text = "folder to write into; nothing is overwritten"
     assignment.add_argument("--out", action=Once, required=True, metavar="DIR", help=text)
     assignment.add_argument("--student", action="store_true", help="the student's copy alone, without any solution")
+    assignment.add_argument("--course", action="store_true", help="the whole course instead, without all answers")
 
 
 def _add_json(parser) -> None:

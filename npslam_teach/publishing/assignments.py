@@ -39,6 +39,8 @@ def _graded(answer):
 
 _graded({answer})"""
 
+IGNORED = (("work",), ("COURSE",))
+
 NBGRADER_CONFIG = f'''"""Settings of nbgrader for the assignments in this folder; run its commands from here."""
 
 c = get_config()  # noqa: F821 - nbgrader provides it
@@ -47,6 +49,8 @@ c = get_config()  # noqa: F821 - nbgrader provides it
 c.ClearSolutions.code_stub = {{"python": "{STUB}"}}
 # A cell of a lesson takes seconds; an endless loop of a student's is stopped after so many.
 c.Execute.timeout = 120
+# How nbgrader and the hub call this course; students' copies are exchanged under the name.
+c.CourseDirectory.course_id = "npslam_teach"
 '''
 
 
@@ -63,10 +67,13 @@ def write_assignments(notebooks: Path, numbers: list[str], out: Path, only_stude
         the files written.
 
     Raises:
-        ValueError: there is no such lesson, or a file that would be written exists already.
+        ValueError: there is no such lesson, or a file that would be written exists already, or git would see it.
     """
     import nbformat
 
+    _require_a_place(notebooks.resolve().parent, out)
+    if not numbers:
+        raise ValueError(f"LESSON: expected one of {', '.join(lessons_with_exercises(notebooks))}, got none")
     files = {}
     for number in numbers:
         path, source = assignment_source(notebooks, number)
@@ -88,6 +95,15 @@ def write_assignments(notebooks: Path, numbers: list[str], out: Path, only_stude
         with atomic_write(path) as stream:
             stream.write(text)
     return list(texts)
+
+
+def _require_a_place(root: Path, out: Path) -> None:
+    """Raise ValueError for a folder in the course that git does not ignore: solutions must not be committed."""
+    if out.resolve().is_relative_to(root) and out.resolve().relative_to(root).parts[:1] not in IGNORED:
+        raise ValueError(
+            f"--out {out}: expected a folder outside the course, or work or COURSE in it, which git ignores; "
+            "answers and students' work there would be committed with it"
+        )
 
 
 def lessons_with_exercises(notebooks: Path) -> dict[str, tuple[Path, Path]]:

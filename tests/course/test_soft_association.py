@@ -56,7 +56,7 @@ WRONG = [
     (1, lambda w: w, "no probabilities"),
     (1, lambda w: w / w.sum(axis=1, keepdims=True), "its own sum"),
     (1, lambda w: pairs_of(w).T, "rows and columns are exchanged"),
-    (1, lambda w: np.full(w.shape, 0.5), "your table is off"),
+    (1, lambda w: np.full(w.shape, 0.5), "your table"),
     (1, lambda w: 0.5, "shape"),
     (2, lambda r, C: bayes(r, C, rows=True), "exchanged"),
     (2, lambda r, C: bayes(r, C, combine=np.mean), "multiply"),
@@ -65,7 +65,7 @@ WRONG = [
     (2, lambda r, C: bayes(r[-1:], C), "only the last report"),
     (2, lambda r, C: bayes(r[:1], C), "only the first report"),
     (2, lambda r, C: bayes(sorted(set(r)), C), "counts once"),
-    (2, lambda r, C: np.full(len(C), 1 / len(C)), "your probabilities is off"),
+    (2, lambda r, C: np.full(len(C), 1 / len(C)), "your posterior"),
     (3, lambda p, L: 2 * np.log(p @ L / L.mean()), "the sign"),
     (3, lambda p, L: -np.log(p @ L / L.mean()), "the 2 is missing"),
     (3, lambda p, L: -2 * np.log(p @ L), "its mean over the classes"),
@@ -74,7 +74,7 @@ WRONG = [
     (3, lambda p, L: -2 * np.log10(p @ L / L.mean()), "base 10"),
     (3, lambda p, L: p @ L / L.mean(), "the ratio itself"),
     (3, lambda p, L: -2 * np.log(L[np.argmax(p)] / L.mean()), "only the most probable class"),
-    (3, lambda p, L: 0.0, "your distance is off"),
+    (3, lambda p, L: 0.0, "your distance"),
     (4, lambda x, w, W: best(x, w, W, matrix=lambda W: 0 * W + np.eye(2)), "information matrices are not used"),
     (4, lambda x, w, W: best(x, w, W, matrix=np.linalg.inv), "counts more, not less"),
     (4, lambda x, w, W: best(x, w, W, matrix=lambda W: W * np.eye(2)), "only the diagonals"),
@@ -82,7 +82,7 @@ WRONG = [
     (4, lambda x, w, W: best(x, w, W, weight=np.ones_like), "the weights are not used"),
     (4, lambda x, w, W: np.einsum("mk,mij,mj->ki", w, W, x), "not solved"),
     (4, lambda x, w, W: x[w.argmax(axis=0)], "most probable observation"),
-    (4, lambda x, w, W: np.zeros((w.shape[1], 2)), "your places is off"),
+    (4, lambda x, w, W: np.zeros((w.shape[1], 2)), "your places"),
 ]
 
 

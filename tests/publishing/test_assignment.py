@@ -141,7 +141,8 @@ def test_right_answers_keep_their_marks_and_the_lesson_its_modules():
     """Also where an answer is an object of the library's as the lesson has imported it, a graph."""
     source = assignments.assignment_source(NOTEBOOKS, "06")[1]
     exercises, tests = graded(source, "solution").values(), graded(source, "grade").values()
-    setup = "import numpy as np\nimport npslam_teach\nbefore = npslam_teach.PoseGraph"
+    setup = "import numpy as np\nfrom math import lgamma, log\nimport npslam_teach\nbefore = npslam_teach.PoseGraph"
+    setup += "\nfrom npslam_teach import optimize, se2, sweep\nfrom npslam_teach.pose_graph import with_associations"
     cells = "\n".join(cell.source for cell in (*exercises, *tests))
     in_a_process(f"{setup}\n{cells}\nassert npslam_teach.PoseGraph is before\nimport npslam_teach.course as c")
 

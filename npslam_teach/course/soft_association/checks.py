@@ -6,7 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from npslam_teach.course.checking import Verdict, judge_function
+from npslam_teach.course.checking import Verdict
+from npslam_teach.course.trials import Part, check_function, fresh
 
 
 def check_pair_probabilities(pair_probabilities: Callable) -> Verdict:
@@ -47,10 +48,16 @@ def check_pair_probabilities(pair_probabilities: Callable) -> Verdict:
         ),
         "rows and columns are exchanged: one row for each observation": lambda w: variant(w).T,
     }
-    rng = np.random.default_rng()
+    rng = fresh()
     trials = [(np.exp(rng.normal(size=shape)),) for shape in ((1, 1), (2, 1), (1, 2), (2, 2), (3, 2), (2, 3), (3, 3))]
     praise = "no object is taken twice, and what one observation is says something about the others"
-    return _judge("your table", pair_probabilities, trials, variant, mistakes, praise)
+    edges = {
+        "with no object in reach": [(np.zeros((2, 0)),)],
+        "with no observation": [(np.zeros((0, 3)),)],
+        "with weights of zero": [(np.array([[0.0, 2.0], [0.0, 0.0]]),)],
+        "with large weights": [(np.array([[1e9, 1e3], [1e8, 1e-3]]),)],
+    }
+    return check_function(pair_probabilities, variant, Part("your table", mistakes), trials, edges, praise)
 
 
 def _total(weights: np.ndarray) -> float:
@@ -87,13 +94,18 @@ def check_true_class(true_class: Callable) -> Verdict:
         "only the first report counts here": lambda r, c: variant(r[:1], c),
         "every kind of report counts once here, however often it came": lambda r, c: variant(np.unique(r), c),
     }
-    rng, trials = np.random.default_rng(), []
+    rng, trials = fresh(), []
     for size, count in ((2, 1), (2, 5), (3, 4), (4, 7), (5, 9), (5, 12)):
         confusion = 0.5 * np.eye(size) + 0.5 * rng.dirichlet(np.ones(size), size)
         trials.append((rng.integers(0, size, count), confusion))
     trials.append((np.array([0, 0, 1]), np.array([[0.9, 0.1], [0.4, 0.6]])))
     praise = "every report speaks for all classes, for each as much as it is likely to be its report"
-    return _judge("your probabilities", true_class, trials, variant, mistakes, praise)
+    edges = {
+        "with one report": [(np.array([1]), np.array([[0.9, 0.1], [0.4, 0.6]]))],
+        "with reports that are certain": [(np.array([2, 2]), np.eye(3))],
+        "with a single class": [(np.array([0, 0]), np.ones((1, 1)))],
+    }
+    return check_function(true_class, variant, Part("your posterior", mistakes), trials, edges, praise)
 
 
 def check_class_distance(class_distance: Callable) -> Verdict:
@@ -116,10 +128,15 @@ def check_class_distance(class_distance: Callable) -> Verdict:
         "this is the ratio itself: take -2 log of it": lambda b, v: b @ v / v.mean(),
         "only the most probable class of the object counts here": lambda b, v: -2 * np.log(v[b.argmax()] / v.mean()),
     }
-    rng = np.random.default_rng()
+    rng = fresh()
     trials = [(rng.dirichlet(np.ones(c)), rng.dirichlet(np.ones(c)) * rng.uniform(0.2, 3)) for c in (2, 3, 4, 5, 5)]
     praise = "negative where the classes agree better than chance, positive where they agree worse"
-    return _judge("your distance", class_distance, trials, variant, mistakes, praise)
+    edges = {
+        "with a belief that is certain": [(np.array([0.0, 1.0, 0.0]), np.array([0.2, 0.5, 0.3]))],
+        "with likelihoods that say nothing": [(np.array([0.7, 0.3]), np.array([0.5, 0.5]))],
+        "with a single class": [(np.array([1.0]), np.array([0.3]))],
+    }
+    return check_function(class_distance, variant, Part("your distance", mistakes), trials, edges, praise)
 
 
 def check_m_step(m_step: Callable) -> Verdict:
@@ -153,22 +170,15 @@ def check_m_step(m_step: Callable) -> Verdict:
             lambda x, w, info: np.einsum("mk,mij,mj->ki", w, info, x) / np.einsum("mk,mij->ki", w, info)
         ),
     }
-    rng, trials = np.random.default_rng(), []
+    rng, trials = fresh(), []
     for m, k in ((1, 1), (3, 2), (4, 3), (8, 2), (20, 5)):
         root = rng.normal(size=(m, 2, 2))
         trials.append((rng.normal(size=(m, 2)), rng.uniform(0.01, 1, (m, k)), root @ root.swapaxes(1, 2) + np.eye(2)))
     praise = "the minimum of a sum of squares, each as strong as its pair is probable"
-    return _judge("your places", m_step, trials, variant, mistakes, praise)
-
-
-def _judge(name: str, function: Callable, trials: list, truth: Callable, mistakes: dict, praise: str) -> Verdict:
-    def for_example(answers, expected):
-        first = next(k for k, (a, e) in enumerate(zip(answers, expected, strict=True)) if not np.allclose(a, e))
-        shown = (
-            np.array2string(np.round(each, 3), separator=", ").replace("\n", "")
-            for each in (np.asarray(expected[first]), np.asarray(answers[first]))
-        )
-        right, yours = shown
-        return f"{name} is off: once it should have been {right}, and it was {yours}"
-
-    return judge_function(name, function, trials, truth, mistakes, praise, for_example)
+    edges = {
+        "with one observation": [(np.array([[1.0, 2.0]]), np.array([[0.3, 0.7]]), 4.0 * np.eye(2)[None])],
+        "with a weight of zero": [
+            (np.array([[1.0, 2.0], [3.0, 5.0]]), np.array([[1.0, 0.2], [0.0, 0.8]]), np.tile(np.eye(2), (2, 1, 1)))
+        ],
+    }
+    return check_function(m_step, variant, Part("your places", mistakes), trials, edges, praise)

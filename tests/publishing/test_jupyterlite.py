@@ -30,8 +30,9 @@ pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "npslam_teach"
 PYODIDE = json.loads((Path(__file__).parents[1] / "pyodide.json").read_text(encoding="utf-8"))
+SWEEPS = ("experiments/executors.py", "experiments/sweep_files.py")  # over many processes, and their tables
 # Commands that make or serve files on a person's own machine; no lesson imports them.
-AT_HOME = ("__main__.py", "cli", "publishing", "system", "datasets/download.py")
+AT_HOME = ("__main__.py", "cli", "publishing", "system", "datasets/download.py", *SWEEPS)
 # Modules that Python in a browser lacks, or that do not work there.
 NOT_IN_A_BROWSER = {"multiprocessing", "subprocess", "threading", "socket", "fcntl", "msvcrt", "ctypes", "venv"}
 

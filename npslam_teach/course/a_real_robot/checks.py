@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from npslam_teach import se2
+from npslam_teach.course.a_real_robot.mistakes import from_the_beginning, steps_added
 from npslam_teach.course.checking import Verdict
 from npslam_teach.course.trials import Part, check_function, exactly, fresh
 from npslam_teach.datasets.recordings import FIRST_LANDMARK
@@ -121,7 +122,7 @@ def check_growth(growth: Callable) -> Verdict:
         "every stretch of n steps counts, wherever it begins": lambda odometry, poses, n: variant(
             odometry, poses, n, every=n
         ),
-        "steps do not add up number by number: each is seen from the pose before it (se2.dead_reckoning)": _steps_added,
+        "steps do not add up number by number: each is seen from the pose before it (se2.dead_reckoning)": steps_added,
         "this is the error of single steps, times the root of n; look at what n steps together really err by": (
             lambda odometry, poses, n: np.sqrt(n) * variant(odometry, poses, 1)
         ),
@@ -223,7 +224,7 @@ def check_first_of_each_pass(first_of_each_pass: Callable) -> Verdict:
         "these are the others: True for those that are the first": lambda labels, times, gap: (
             ~variant(labels, times, gap)
         ),
-        "count the gap from the sighting before, not from where the pass began": _from_the_beginning,
+        "count the gap from the sighting before, not from where the pass began": from_the_beginning,
     }
     rng, trials = fresh(), []
     for gap in (3, 10, 5, 2):
@@ -241,21 +242,3 @@ def check_first_of_each_pass(first_of_each_pass: Callable) -> Verdict:
     }
     praise = "what is the same for a whole pass is now counted once"
     return check_function(first_of_each_pass, truth, Part("your choice", mistakes, exactly), trials, edges, praise)
-
-
-def _steps_added(odometry, poses, n) -> np.ndarray:
-    """The numbers of n steps added up, as if none of them turned."""
-    added = np.vstack([np.zeros(3), np.cumsum(odometry, axis=0)])
-    off = added[n:] - added[:-n] - se2.between(poses[:-n], poses[n:])
-    off[:, 2] = se2.wrap(off[:, 2])
-    return np.sqrt(np.mean(off**2, axis=0))
-
-
-def _from_the_beginning(labels, times, gap) -> np.ndarray:
-    """A pass that ends so many poses after it began, however often the object was seen meanwhile."""
-    chosen, began = np.zeros(len(labels), dtype=bool), {}
-    for m in np.argsort(times, kind="stable"):
-        k = int(labels[m])
-        if k >= 0 and times[m] - began.get(k, -(10**9)) > gap:
-            chosen[m], began[k] = True, times[m]
-    return chosen

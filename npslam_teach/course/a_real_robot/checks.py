@@ -130,12 +130,7 @@ def check_growth(growth: Callable) -> Verdict:
             se2.dead_reckoning(odometry, poses[0])[n] - poses[n]
         ),
     }
-    rng, trials = fresh(), []
-    for n in (2, 5, 10):
-        steps = np.column_stack([rng.uniform(0.05, 0.15, 40), rng.normal(0, 0.01, 40), rng.normal(0.2, 0.3, 40)])
-        poses = se2.dead_reckoning(steps, (1.0, 2.0, 3.0))
-        bias = np.array([0.01, 0.0, 0.03])
-        trials.append((steps + bias + rng.normal(size=(40, 3)) * (0.01, 0.005, 0.3), poses, n))
+    trials = _drives(fresh())
     odometry, poses, _ = trials[0]
     edges = {
         "with single steps": [(odometry, poses, 1)],
@@ -144,6 +139,17 @@ def check_growth(growth: Callable) -> Verdict:
     }
     part = Part("your error", mistakes, _rms)
     return check_function(growth, truth, part, trials, edges, "in a random walk this grows with the root of n")
+
+
+def _drives(rng: np.random.Generator) -> list[tuple]:
+    """Odometry that errs, the true path, and a number of steps."""
+    trials = []
+    for n in (2, 5, 10):
+        steps = np.column_stack([rng.uniform(0.05, 0.15, 40), rng.normal(0, 0.01, 40), rng.normal(0.2, 0.3, 40)])
+        poses = se2.dead_reckoning(steps, (1.0, 2.0, 3.0))
+        bias = np.array([0.01, 0.0, 0.03])
+        trials.append((steps + bias + rng.normal(size=(40, 3)) * (0.01, 0.005, 0.3), poses, n))
+    return trials
 
 
 def _rms(answer: np.ndarray, truth, tolerance: float) -> bool:

@@ -189,6 +189,10 @@ def check_sweep(function: Callable) -> Verdict:
         "with two classes in one object": [
             (np.zeros(6, dtype=int), np.zeros((1, 2)), np.zeros((6, 2)), np.array([0, 1, 0, 1, 1, 0]), 0.5)
         ],
+        "with a small and with a large concentration": [
+            (np.arange(2), pair, pair.copy(), np.zeros(2, dtype=int), alpha)
+            for pair, alpha in ((np.array([[0, 0], [0.5, 0]]), 0.1), (np.array([[0, 0], [0.25, 0]]), 0.95))
+        ],
         "with hundreds of sightings of one object": [
             (np.arange(200), (near := rng.normal(0, 0.02, (200, 2))), near.copy(), np.zeros(200, dtype=int), 0.5)
         ],

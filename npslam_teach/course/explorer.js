@@ -70,12 +70,15 @@ function sliderRow(spec, id, ask) {
   const number = h("input", { type: "text", inputmode: "decimal", "aria-label": `${spec.label}, typed`, size: 6 });
   const go = (wanted) => { show(wanted); ask({ [spec.name]: wanted }); };
   range.addEventListener("input", () => { pause(); go(at(Number(range.value))); });
-  number.addEventListener("change", () => {
+  const take = () => {
+    if (number.value === textOf(value, spec.step)) return;
     const typed = Number(number.value.replace(",", ".").replace("\u2212", "-"));
     if (number.value.trim() === "" || !Number.isFinite(typed)) return show(value);
     const inside = clamp(typed, spec.min, spec.max);
     go(grid || spec.whole ? at(nearest(inside)) : inside);
-  });
+  };
+  number.addEventListener("change", take);
+  number.addEventListener("keydown", (event) => { if (event.key === "Enter") take(); });
 
   const label = h("button", { type: "button", class: "play", onclick: () => (timer ? pause() : play()) });
   const step = (by) => { pause(); go(at(clamp(nearest(value) + by, 0, last))); };

@@ -116,11 +116,10 @@ class Explorer(anywidget.AnyWidget):
 
     def _repr_mimebundle_(self, **kwargs):
         """The widget, and beside it what a page shows that has no kernel: frames, or one picture."""
-        bundle = super()._repr_mimebundle_(**kwargs)
-        data = bundle[0] if isinstance(bundle, tuple) else bundle
+        data, metadata = super()._repr_mimebundle_(**kwargs)
         data["text/plain"] = repr(self)
         data["text/html"] = frames.html_of(self, with_frames=bool(os.environ.get(_WITH_FRAMES)))
-        return bundle
+        return data, metadata
 
     def __repr__(self) -> str:
         """The text that is shown where neither pictures nor widgets are."""

@@ -361,7 +361,7 @@ def test_an_error_in_the_explorer_is_raised(toy, monkeypatch):
     monkeypatch.setattr(pose_graph_explorer, "words", lambda run, iteration: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         explorer.refresh()
-    assert "ZeroDivisionError" in explorer._picture.value
+    assert "ZeroDivisionError" in explorer.shown["error"]
 
 
 def test_words_name_the_largest_move(toy):

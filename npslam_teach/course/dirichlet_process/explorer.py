@@ -69,9 +69,11 @@ def _map_of(xy: np.ndarray) -> Panel:
 
 
 def _draw_map(scene: Scene, room: Panel, path, xy, obs_class, class_names, asks: int, kernel_std: float) -> None:
-    """The observations with their names; those that may be the same as the one that asks have the kernel around them."""
+    """The observations with their names; those that the asking one may be have the kernel around them."""
     ticks = [np.arange(np.ceil(low), high, 1.0) + 0.0 for low, high in (room.x, room.y)]
-    room.axes(scene, "map", f"Obj_{asks + 1} asks: who is near enough to be the same?", ("x (m)", "y (m)"), tuple(ticks))
+    room.axes(
+        scene, "map", f"Obj_{asks + 1} asks: who is near enough to be the same?", ("x (m)", "y (m)"), tuple(ticks)
+    )
     room.line(scene, "path", path[:, :2], "estimate")
     alike = [k for k in np.flatnonzero(obs_class == obs_class[asks]) if k != asks]
     for k in alike:

@@ -175,7 +175,7 @@ def player(name: str, high: int, milliseconds: int = 1000) -> Slider:
     return Slider(name, 0, 0, high, 1, play=milliseconds)
 
 
-def places(name: str, xy, panel, step: float = 0.01, key: float = 0.05) -> Places:
+def places(name: str, xy, panel, step: float = 0.01, key: float = 0.05, released: str = "") -> Places:
     """Points that are dragged in a panel of a scene; they cannot leave it.
 
     Args:
@@ -184,6 +184,8 @@ def places(name: str, xy, panel, step: float = 0.01, key: float = 0.05) -> Place
         panel: ``scene.Panel``.
         step: to which the hand is rounded.
         key: how far an arrow key moves one.
+        released: the name of a player that starts when a point is let go, and returns to 0 when one is moved. A drag
+            then begins where the points are drawn, not where they were left.
     """
     low, high = zip(panel.x, panel.y, strict=True)
-    return Places(name, xy, low, high, step, panel.scale, key)
+    return Places(name, xy, low, high, step, panel.scale, key, released)

@@ -109,7 +109,7 @@ function sliderRow(spec, id, ask) {
   }
   pause();
   const buttons = spec.play ? [button("step back", "◀", () => step(-1)), label, button("step on", "▶|", () => step(1))] : [];
-  return { row: h("div", { class: "row" }, h("label", { for: id }, spec.label), range, number, ...buttons), show, stop: pause };
+  return { row: h("div", { class: "row" }, h("label", { for: id }, spec.label), range, number, ...buttons), show, play, stop: pause };
 }
 
 function choiceRow(spec, id, ask) {
@@ -128,7 +128,7 @@ function between(from, to, share) {
 }
 
 /** A drawing of parts, each [tag, attributes, text] by its name; a part glides from what it was to what it becomes. */
-function sceneOf(figure, model, ask) {
+function sceneOf(figure, model, ask, rows) {
   const svg = document.createElementNS(SVG, "svg");
   svg.setAttribute("role", "group");
   svg.setAttribute("aria-label", "picture with points that can be moved");
@@ -176,15 +176,24 @@ function sceneOf(figure, model, ask) {
 
   /** Make a part follow mouse, finger and arrow keys. */
   function grasp(element, control, index) {
+    const player = rows.get(control.released);
     const { low, high, step, scale } = control; // page = scale[0] * x + scale[1], scale[2] * y + scale[3]
     const moveTo = (x, y) => {
       const rounded = [[x, 0], [y, 1]].map(([each, axis]) => exact(clamp(Math.round(each / step) * step, low[axis], high[axis])));
+      if (player) player.stop();
       const all = values[control.name].map((each, k) => (k === index ? rounded : each));
       values = { ...values, [control.name]: all };
       if (held) held.value = all;
       element.setAttribute("cx", scale[0] * rounded[0] + scale[1]);
       element.setAttribute("cy", scale[2] * rounded[1] + scale[3]);
-      ask({ [control.name]: all });
+      ask({ [control.name]: all, ...(player && { [control.released]: 0 }) });
+    };
+    /** Where a player has moved the points, a hand takes them from where they are drawn. */
+    const takeAsDrawn = () => {
+      if (!player) return;
+      const handles = [...drawn.values()].filter((each) => each.attributes["data-places"] === control.name && "data-index" in each.attributes);
+      const at = ({ element: { cx, cy } }) => [(cx.baseVal.value - scale[1]) / scale[0], (cy.baseVal.value - scale[3]) / scale[2]].map(exact);
+      values = { ...values, [control.name]: handles.map(at) };
     };
     const pointer = (event) => {
       const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
@@ -194,6 +203,7 @@ function sceneOf(figure, model, ask) {
       event.preventDefault();
       element.focus();
       element.setPointerCapture(event.pointerId);
+      takeAsDrawn();
       held = { element, control, value: values[control.name] };
     });
     element.addEventListener("pointermove", (event) => { if (held?.element === element) pointer(event); });
@@ -201,16 +211,18 @@ function sceneOf(figure, model, ask) {
       element.addEventListener(end, () => {
         if (held?.element !== element) return;
         held = null;
-        if (control.released) ask({ [control.released]: true });
+        player?.play();
       });
     }
     element.addEventListener("keydown", (event) => {
       const arrow = ARROWS[event.key];
       if (!arrow || event.ctrlKey || event.altKey || event.metaKey) return;
       event.preventDefault();
+      takeAsDrawn();
       const [x, y] = values[control.name][index], far = (event.shiftKey ? 5 : 1) * (control.key ?? step);
       moveTo(x + far * arrow[0], y + far * arrow[1]);
     });
+    element.addEventListener("keyup", (event) => { if (ARROWS[event.key]) player?.play(); });
   }
   return { show, stop: () => cancelAnimationFrame(frame) };
 }
@@ -238,7 +250,7 @@ function render({ model, el }) {
     if (shown.error) return;
     caption.textContent = shown.words;
     if (shown.scene) {
-      scene ??= sceneOf(figure, model, asking.ask);
+      scene ??= sceneOf(figure, model, asking.ask, rows);
       scene.show(shown.scene, shown.values, wishes);
       caption.setAttribute("aria-live", "polite");
       return;

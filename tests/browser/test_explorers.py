@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from axe import violations
 from explorers import EXPLORER, PICTURE, Shown
-from lab_server import ROOT, new_context, open_notebook, run_all_cells, saved, write_notebook
+from lab_server import ROOT, new_context, open_notebook, run_all_cells, saved, timeout_error, write_notebook
 
 from npslam_teach.course import frames
 from npslam_teach.course.dirichlet_process.explorer import explore_association
@@ -103,9 +103,19 @@ def xy_of(page, number: int) -> np.ndarray:
     return np.array(re.findall(r"(-?\d+\.\d+) m", label), dtype=float)
 
 
-def wait_until_at(page, number: int, xy) -> None:
-    text = f"at {xy[0]:.2f} m, {xy[1]:.2f} m"
-    page.locator(f"{EXPLORER} [data-index='{number}'][aria-label*='{text}']").wait_for()
+def wait_until_at(page, number: int, xy, within: float = 0.015) -> None:
+    """Wait until the kernel says that a sighting is there, m; a pixel is a hundredth of a metre."""
+    try:
+        page.wait_for_function(
+            """([number, xy, within]) => {
+                const label = document.querySelector(`[data-index="${number}"]`).getAttribute("aria-label");
+                return [...label.matchAll(/(-?[\\d.]+) m/g)].every((each, k) => Math.abs(each[1] - xy[k]) <= within);
+            }""",
+            arg=[number, list(xy), within],
+            timeout=30_000,
+        )
+    except timeout_error():
+        raise AssertionError(f"expected {xy}, got {xy_of(page, number)}: {shown_words(page)}") from None
 
 
 def px_per_metre(page) -> float:

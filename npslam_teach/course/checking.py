@@ -1,7 +1,8 @@
-"""Checking exercises: a verdict that says what is wrong, and the tools that the checks share.
+"""Checking exercises: a verdict that says what is wrong, and how a student's answer is read.
 
-Every lesson has a module of its own, such as ``course.pose_graph.checks``, with one ``check_*`` for each exercise. A
-check never raises on a wrong answer: it returns a ``Verdict``, whose text is the last value of the cell.
+Every lesson has a module of its own, such as ``course.pose_graph.checks``, with one ``check_*`` for each exercise;
+``course.trials`` is the engine of all. A check never raises on a wrong answer: it returns a ``Verdict``, whose text is
+the last value of the cell.
 """
 
 import contextlib
@@ -9,7 +10,7 @@ import io
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from numbers import Real
 
 import numpy as np
 
@@ -52,7 +53,7 @@ def answer_of(function: Callable, *arguments) -> tuple[object, Verdict | None]:
         return None, wrong(BLANK)
     try:
         answer = function(*arguments)
-    except Exception as error:  # a student's code may raise anything, and the lesson must go on
+    except (Exception, SystemExit) as error:  # a student's code may raise anything, and the lesson must go on
         return None, wrong(f"your code stops with {type(error).__name__}: {error}")
     return (None, wrong(BLANK)) if is_blank(answer) else (answer, None)
 
@@ -74,11 +75,22 @@ def require(check: Callable, answer) -> None:
 
 
 def as_array(name: str, answer, shape: tuple) -> tuple[np.ndarray | None, Verdict | None]:
-    """The answer as an array of the expected shape; or None and a verdict that names the difference."""
+    """The answer as a new array of float64 of the expected shape; or None and a verdict that names the difference.
+
+    Real numbers of every type are taken: lists, float32, fractions, integers of any size. Text and complex numbers are
+    not, even where NumPy would convert them.
+    """
+    no_numbers = wrong(f"{name} should be real numbers, yours is {type(answer).__name__}")
     try:
-        array = np.asarray(answer, dtype=float)
-    except (TypeError, ValueError, OverflowError):
-        return None, wrong(f"{name} should be numbers, yours is {type(answer).__name__}")
+        array = np.asarray(answer)
+        if array.dtype.kind not in "biufO" or not all(isinstance(each, Real) for each in _objects(array)):
+            kind = f" of {array.dtype.name}" if array.ndim and array.dtype.kind in "cSU" else ""
+            return None, wrong(f"{no_numbers.message}{kind}")
+        array = np.array(array, dtype=float)
+    except Exception:  # rows of different lengths, numbers beyond floats, a class with an __array__ of its own
+        return None, no_numbers
+    if array.size == 0 == np.prod(shape):  # a list of no rows cannot say how long they are
+        return np.empty(shape), None
     if array.shape != shape:
         return None, wrong(f"{name} should have shape {shape}, yours has {array.shape}")
     if not np.isfinite(array).all():
@@ -86,93 +98,8 @@ def as_array(name: str, answer, shape: tuple) -> tuple[np.ndarray | None, Verdic
     return array, None
 
 
-def array_from(name: str, function: Callable, shape: tuple, *arguments) -> tuple[np.ndarray | None, Verdict | None]:
-    """What the student's function returns, as a new array of the expected shape; or None and a verdict.
-
-    Args:
-        name: what the answer is called in the verdict.
-        function: the student's.
-        shape: of a right answer.
-        arguments: of the function.
-    """
-    answer, verdict = answer_of(function, *arguments)
-    array, verdict = (None, verdict) if verdict else as_array(name, answer, shape)
-    return (None, verdict) if verdict else (array.copy(), None)
-
-
-def alike(answer, other) -> bool:
-    """Whether two answers, arrays or lists of arrays, have one shape and the same numbers."""
-    if isinstance(answer, list):
-        return all(alike(each, others) for each, others in zip(answer, other, strict=True))
-    return np.shape(answer) == np.shape(other) and np.allclose(answer, other)
-
-
-def judge(
-    answer, truth, mistakes: dict, otherwise: str | Callable[[], str], same: Callable = alike, like: Callable = alike
-) -> Verdict | None:
-    """None if the answer is right; else a verdict that names the mistake which gives exactly this answer.
-
-    Args:
-        answer: an array, or a list of them.
-        truth: what it should be.
-        mistakes: by message, the answer that the mistake gives, or a function that computes it.
-        otherwise: the message for any other mistake, or a function that returns it.
-        same: ``same(answer, truth)``, whether the answer is right.
-        like: ``like(answer, other)``, whether it is the answer that a mistake gives.
-    """
-    if same(answer, truth):
-        return None
-    for message, mistaken in mistakes.items():
-        if like(answer, mistaken() if callable(mistaken) else mistaken):
-            return wrong(message)
-    return wrong(otherwise() if callable(otherwise) else otherwise)
-
-
-def judge_function(
-    name: str,
-    function: Callable,
-    trials: list[tuple],
-    truth: Callable,
-    mistakes: dict[str, Callable],
-    praise: str,
-    otherwise: Callable[[list, list], str],
-    **how,
-) -> Verdict:
-    """Run all trials, and name the mistake that explains every answer.
-
-    Args:
-        name: what an answer is called.
-        function: the student's.
-        trials: arguments of the function.
-        truth: the right function.
-        mistakes: by message, a function that makes the mistake; its answer may have another shape.
-        praise: for a right one.
-        otherwise: a function of the answers and the right ones that returns the message for any other mistake.
-        how: ``same`` and ``like`` of ``judge``.
-    """
-    answers, expected = [], _answers(truth, trials)
-    for trial, wanted in zip(trials, expected, strict=True):
-        answer, verdict = answer_of(function, *(np.array(each) if np.ndim(each) else each for each in trial))
-        if verdict is None:
-            shapes = [np.shape(mistake(*trial)) for mistake in mistakes.values()]
-            shape = np.shape(answer) if _is_one_of(answer, shapes) else np.shape(wanted)
-            answer, verdict = as_array(name, answer, shape)
-        if verdict is not None:
-            return verdict
-        answers.append(answer)
-    made = {message: partial(_answers, mistake, trials) for message, mistake in mistakes.items()}
-    return judge(answers, expected, made, lambda: otherwise(answers, expected), **how) or right(praise)
-
-
-def _answers(function: Callable, trials: list[tuple]) -> list:
-    return [function(*trial) for trial in trials]
-
-
-def _is_one_of(answer, shapes: list) -> bool:
-    try:
-        return np.shape(answer) in shapes
-    except ValueError:  # rows of different lengths
-        return False
+def _objects(array: np.ndarray) -> list:
+    return array.ravel().tolist() if array.dtype.kind == "O" else []
 
 
 def numerical_jacobian(function: Callable, at: np.ndarray, step: float = 1e-6) -> np.ndarray:

@@ -34,6 +34,22 @@ def run_from(fields: dict) -> tuple[RobotLog, GroundTruth | None]:
     return log, _truth_from(fields, log)
 
 
+def doubts_about(log: RobotLog) -> list[str]:
+    """Sentences about what is possible in a log, and more often a mistake of whoever wrote it."""
+    doubts, turns = [], np.abs(log.odometry[:, 2])
+    if turns.max(initial=0.0) > np.pi:
+        turn = f"step {turns.argmax()} of odometry turns by {turns.max():.4g}"
+        doubts.append(f"{turn}, more than half a turn: expected radians, are these degrees?")
+    rests, last = (log.odometry == 0).all(axis=1), log.num_poses - 1
+    if rests.sum() == 1 and (rests[0] or rests[-1]) and last > 1 and log.obs_time.max(initial=0) < last:
+        end = "first" if rests[0] else "last"
+        doubts.append(
+            f"the {end} step of odometry is zero, and nothing is seen from the last pose: expected one step fewer than "
+            "there are poses, from each to the next; is it one row too many?"
+        )
+    return doubts
+
+
 def fields_of(log: RobotLog, truth: GroundTruth | None) -> dict:
     """The same as arrays by name; of the truth, only what is known."""
     fields = {name: np.asarray(getattr(log, name)) for name in LOG_FIELDS}
@@ -74,6 +90,9 @@ def _truth_from(fields: dict, log: RobotLog) -> GroundTruth | None:
 def _true_poses(value, num_poses: int) -> np.ndarray:
     """Positions alone get headings that are unknown."""
     size = 2 if np.ndim(value) == 2 and np.shape(value)[1] == 2 else 3
+    if np.ndim(value) == 2 and len(value) == num_poses - 1:
+        problem = f"expected shape ({num_poses}, {size}), got {np.shape(value)}"
+        raise ValueError(f"true_poses: {problem}: one pose more than steps of odometry; has that one row too many?")
     known = checked_array("true_poses", value, (num_poses, size), gaps=True)
     return np.column_stack([known, np.full((num_poses, 3 - size), np.nan)])
 

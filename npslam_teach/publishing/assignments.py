@@ -19,6 +19,26 @@ from npslam_teach.publishing.colab import without_badge
 from npslam_teach.publishing.solution_cells import HIDDEN_TESTS, SOLUTION, STUB, cut, imports, with_solution
 from npslam_teach.system.files import atomic_write
 
+# Whatever the cells of a submission have done to the library or to its checks, this reads it from its files again. A
+# function, so that no variable of the lesson changes its meaning; the lesson goes on with the modules that it had.
+FRESH_CHECK = """\
+def _graded(answer):
+    import importlib
+    import sys
+
+    own = {{name: sys.modules.pop(name) for name in [*sys.modules] if name.split(".")[0] == "npslam_teach"}}
+    try:
+        checks = importlib.import_module("{module}")
+        importlib.import_module("npslam_teach.course.checking").require(checks.{check}, answer)
+    finally:
+        for name in [*sys.modules]:
+            if name.split(".")[0] == "npslam_teach":
+                del sys.modules[name]
+        sys.modules.update(own)
+
+
+_graded({answer})"""
+
 NBGRADER_CONFIG = f'''"""Settings of nbgrader for the assignments in this folder; run its commands from here."""
 
 c = get_config()  # noqa: F821 - nbgrader provides it
@@ -159,10 +179,7 @@ def _graded_cell(check: str, lesson: str, exercise: int, points: int):
     lines = [
         f"# Exercise {exercise} is graded here, by the check above: {points} point{'s' * (points > 1)}.",
         HIDDEN_TESTS[0],
-        # Only the name of the package is bound: a lesson has variables of its own, ``checks`` among them.
-        f"import npslam_teach.course.{subject}.checks",
-        "",
-        f"npslam_teach.course.checking.require(npslam_teach.course.{subject}.checks.{call[1]}, {call[2]})",
+        *FRESH_CHECK.format(module=f"npslam_teach.course.{subject}.checks", check=call[1], answer=call[2]).splitlines(),
         HIDDEN_TESTS[1],
     ]
     grading = _metadata(f"lesson-{number}-grade-{exercise}", grade=True, locked=True, points=points)

@@ -65,7 +65,7 @@ def test_mistakes_in_votes_are_named(answer, message):
         (lambda v: v / v.sum(), "everything together"),
         (lambda v: np.exp(v) / np.exp(v).sum(axis=1, keepdims=True), "softmax"),
         (lambda v: (v - 1) / (v - 1).sum(axis=1, keepdims=True), "mode of Dir(votes)"),
-        (lambda v: v, "some probability is off"),
+        (lambda v: v, "the first row adds up to"),
     ],
 )
 def test_mistakes_in_class_posteriors_are_named(answer, message):
@@ -80,7 +80,7 @@ def test_mistakes_in_class_posteriors_are_named(answer, message):
         (lambda v, e: v[:, 0] > e, "the vote itself"),
         (lambda v, e: 1 / v[:, 1:].sum(axis=1) > e, "not 1 / m"),
         (lambda v, e: 1 / (1 + v[:, 1:].max(axis=1)) > e, "most common class"),
-        (lambda v, e: np.zeros(5, dtype=bool), "is not False"),
+        (lambda v, e: np.zeros(5, dtype=bool), "the answer should be"),
         (lambda v, e: class_posterior(v)[:, 0], "True or False"),
     ],
 )
@@ -108,7 +108,7 @@ def naive_log_density(x, a):
         (lambda x, a: (a * np.log(x)).sum() - log_beta(a), "a_i - 1, not a_i"),
         (lambda x, a: np.exp(((a - 1) * np.log(x)).sum() - log_beta(a)), "that is the density"),
         (naive_log_density, "too large a number"),
-        (lambda x, a: 0.0, "it is off"),
+        (lambda x, a: 0.0, "the same number everywhere"),
     ],
 )
 def test_mistakes_in_the_density_are_named(answer, message):
@@ -130,7 +130,7 @@ def product(votes, confusion):
         (lambda v, c: product(v, c) @ c, "the next report"),
         (lambda v, c: product(v > 0, c), "the votes are exponents"),
         (product, "too small for a number"),
-        (lambda v, c: np.full(len(v), 1 / len(v)), "one of them is off"),
+        (lambda v, c: np.full(len(v), 1 / len(v)), "they must add up to 1"),
     ],
 )
 def test_mistakes_in_the_true_class_are_named(answer, message):

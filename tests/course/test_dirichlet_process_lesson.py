@@ -41,7 +41,7 @@ def test_mistakes_in_weights_are_named(answer, message):
         (lambda w, a: np.append(a, w) / (w.sum() + a), "stands first"),
         (lambda w, a: np.append(w / (w.sum() + a), a), "alpha is taken for a probability"),
         (lambda w, a: (v := np.append(w + a, a)) / v.sum(), 'only "new" has it'),
-        (lambda w, a: np.append(w, 1.0) / (w.sum() + 1.0), "one of them is off"),
+        (lambda w, a: np.append(w, 1.0) / (w.sum() + 1.0), "the probabilities should be"),
     ],
 )
 def test_mistakes_in_reweighting_are_named(answer, message):
@@ -61,7 +61,7 @@ def at_least(p, threshold):
         (at_least, "a tie must open a new object"),
         (lambda p, t: decide(p, t) - (decide(p, t) == len(p) - 1), "one past the last object"),
         (lambda p, t: int(np.argmax(p[:-1])), "never opened"),
-        (lambda p, t: len(p) - 1, "is not 4"),
+        (lambda p, t: len(p) - 1, "the index should be"),
         (lambda p, t: float(decide(p, t)), "a whole number"),
     ],
 )
@@ -77,7 +77,7 @@ def test_mistakes_in_decisions_are_named(answer, message):
         (lambda n, a: a * np.log(1 + n / a), "logarithm"),
         (lambda n, a: sum(1 / (a + i) for i in range(n)), "above the fraction"),
         (lambda n, a: sum(a / (a + i) for i in range(n + 1)), "one guest too many"),
-        (lambda n, a: n, "it is not"),
+        (lambda n, a: n, "exactly 1 table"),
     ],
 )
 def test_mistakes_in_tables_are_named(answer, message):
@@ -125,7 +125,7 @@ def test_the_sweep_is_judged_by_its_groups_not_by_its_numbers():
     assert not verdict.passed and "1 objects where there should be" in verdict.message
 
 
-def test_checks_survive_students_who_change_their_arguments():
+def test_checks_notice_students_who_change_their_arguments():
     _, solution = checks_and_solutions("04_dirichlet_process")
 
     def changes(labels, landmarks, xy, obs_class, alpha):
@@ -133,7 +133,7 @@ def test_checks_survive_students_who_change_their_arguments():
         labels[:], xy[:] = 0, 0
         return answer
 
-    assert checks.check_sweep(changes).passed
+    assert_names_the_mistake(checks.check_sweep, changes, "changes its argument labels")
 
 
 # --- pictures --------------------------------------------------------------------------------------------------------

@@ -68,7 +68,7 @@ WRONG = [
     (1, lambda c, a: crp(c, a, first=1), "not alpha + 1"),
     (1, lambda c, a: crp(c, a, guests=lambda n: 1), "own factors"),
     (1, lambda c, a: math.log(crp(c, a)), "that is the logarithm"),
-    (1, lambda c, a: 2 * crp(c, a), "is off, for example for"),
+    (1, lambda c, a: 2 * crp(c, a), "should be"),
     (2, logs_of, "logarithms of the weights"),
     (2, lambda *t: logs_of(*t) / logs_of(*t).sum(), "these are logarithms"),
     (2, lambda *t: np.exp(logs_of(*t) - logs_of(*t).max()), "add up to one"),
@@ -85,9 +85,9 @@ WRONG = [
     (3, lambda *t: eliminate(*t, keep_b=True), "has been forgotten"),
     (3, lambda *t: (eliminate(*t)[0], eliminate(*t, sign=-1.0)[1]), "sign of what the poses add"),
     (3, lambda *t: (eliminate(*t)[0], -eliminate(*t)[1]), "keep the sign of b"),
-    (3, lambda *t: (eliminate(*t)[0], 2 * eliminate(*t)[1]), "your gradient is off"),
+    (3, lambda *t: (eliminate(*t)[0], 2 * eliminate(*t)[1]), "your gradient should be"),
     (3, lambda *t: (eliminate(*t)[0], ...), "your gradient is still the dots"),
-    (3, lambda *t: eliminate(*t)[0], "return two things"),
+    (3, lambda *t: eliminate(*t)[0], "your information should have shape"),
     (4, lambda x, n: (np.mean(x.max(axis=1) == n), together(x)), "labels count from 0"),
     (4, lambda x, n: (np.sum(x.max(axis=1) + 1 == n), together(x)), "divide by the number of samples"),
     (4, lambda x, n: (np.mean(x.max(axis=1) + 1 <= n), together(x)), "not at most"),
@@ -103,7 +103,7 @@ WRONG = [
     (5, lambda a, m, w, s: accept(0, 0, w, s), "posteriors are missing"),
     (5, lambda a, m, w, s: accept(a, m, w, 1 - s), "take that where each sits"),
     (5, lambda *t: math.log(accept(*t)), "that is the logarithm"),
-    (5, lambda *t: accept(*t) / 2, "is off, for example for"),
+    (5, lambda *t: accept(*t) / 2, "should be"),
 ]
 
 

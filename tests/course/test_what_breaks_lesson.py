@@ -46,7 +46,7 @@ WRONG = [
     (1, lambda k, n, z: ends(k, n, z)[::-1], "low, then high"),
     (1, lambda k, n, z: n * np.array(ends(k, n, z)), "these are counts"),
     (1, lambda k, n, z: ends(k, n, z, root=z * (k / n * (1 - k / n) / n + z * z / 4 / n**2)), "the root is missing"),
-    (1, lambda k, n, z: (0.0, 1.0), "your interval is off: once it should have been"),
+    (1, lambda k, n, z: (0.0, 1.0), "your interval should be"),
     (1, lambda k, n, z: k / n, "shape (2,), yours has ()"),
     (2, lambda n, a, s: 2 * s**2 * np.log(n / a), "take the root"),
     (2, lambda n, a, s: s * np.sqrt(np.log(n / a)), "the 2 of the kernel's exponent"),
@@ -56,7 +56,7 @@ WRONG = [
     (2, lambda n, a, s: s * np.sqrt(2 * np.log(1 / a)), "votes are left out"),
     (2, lambda n, a, s: s * np.sqrt(2 * np.log(n)), "alpha is left out"),
     (2, lambda n, a, s: np.sqrt(2 * s * np.log(n / a)), "outside the root"),
-    (2, lambda n, a, s: s, "your distance is off"),
+    (2, lambda n, a, s: s, "your distance should be"),
     (3, lambda own, paper, kernel: kernel * paper / own, "upside down"),
     (3, lambda own, paper, kernel: kernel * own**2 / paper**2, "with the square"),
     (3, lambda own, paper, kernel: kernel, "as it was"),
@@ -64,7 +64,7 @@ WRONG = [
     (3, lambda own, paper, kernel: own / paper, "the ratio alone"),
     (3, lambda own, paper, kernel: own * kernel, "divide by the paper's noise"),
     (3, lambda own, paper, kernel: kernel * (own / paper) ** 0.5, "root of the ratio"),
-    (3, lambda own, paper, kernel: 2 * own, "your kernel is off"),
+    (3, lambda own, paper, kernel: 2 * own, "your kernel should be"),
     (4, lambda *a: apart(*a, 0, 0), "what the two passes share is left out"),
     (4, lambda *a: apart(*a, -1, -1), "the shared blocks are added"),
     (4, lambda *a: apart(*a, 0.5, 0.5), "counts twice"),
@@ -72,7 +72,7 @@ WRONG = [
     (4, lambda xy, S, i, j: np.hypot(*(xy[i] - xy[j])), "in metres"),
     (4, lambda *a: apart(*a, solve=np.matmul), "multiplied, not divided"),
     (4, lambda *a: apart(*a, solve=lambda C, d: d / np.diag(C)), "only the diagonal"),
-    (4, lambda *a: 2 * apart(*a), "your distance is off"),
+    (4, lambda *a: 2 * apart(*a), "your distance should be"),
 ]
 
 

@@ -243,3 +243,16 @@ def test_damaged_files_end_in_one_sentence_or_a_log(tmp_path, damaged):
             assert str(error).startswith(str(tmp_path / "run.csv")) and "\n" not in str(error)
     assert 0 < accepted < 300
     shutil.rmtree(tmp_path)
+
+
+def test_a_file_without_its_first_row_is_told_which_columns_there_are(tmp_path):
+    (tmp_path / "run.csv").write_text("odometry_std,,0.2,0.05,0.02,,\nodometry,0,1,0,0,,\n", encoding="utf-8")
+    with pytest.raises(ValueError, match=r"line 1: expected columns out of kind, time, x, .* got 'odometry_std,,0.2"):
+        datasets.load_log(tmp_path / "run.csv")
+
+
+def test_time_stamps_are_not_taken_for_poses(tmp_path):
+    rows = ["kind,time,x,y,theta,class", "odometry_std,,1,1,1,", "observation_std,,1,1,,", "odometry,1.6e9,1,0,0,"]
+    (tmp_path / "run.csv").write_text("\n".join(rows), encoding="utf-8")
+    with pytest.raises(ValueError, match=r"line 4: time: .* got '1.6e9' \(poses are counted, this is no"):
+        datasets.load_log(tmp_path / "run.csv")

@@ -105,14 +105,50 @@ def test_copies_lie_anywhere(source):
 def test_graded_cells_hide_no_name_of_the_lesson(source):
     """A cell that only nbgrader sees must not change what the lesson's own cells mean."""
     for cell in graded(source, "grade").values():
-        (statement, call) = ast.parse(cell.source).body
-        assert isinstance(statement, ast.Import) and statement.names[0].asname is None
+        (function, call) = ast.parse(cell.source).body
+        assert isinstance(function, ast.FunctionDef) and function.name == "_graded"
         assert isinstance(call, ast.Expr)
     assert not any(
-        isinstance(node, ast.Name) and node.id == "npslam_teach" and isinstance(node.ctx, ast.Store)
+        isinstance(node, ast.Name) and node.id == "_graded"
         for cell in code(source)
+        if not cell.metadata.get("nbgrader", {}).get("grade")
         for node in ast.walk(ast.parse(cell.source))
     )
+
+
+CHEATS = {
+    "the check is replaced": "checks.check_compose = lambda answer: checking.right('done')",
+    "what fails is replaced": "checking.require = lambda check, answer: None",
+    "the verdict is replaced": "checking.Verdict.passed = True",
+    "the right answer is replaced": "se2.compose = compose",
+    "the engine is replaced": "trials.check_function = lambda *a: checking.right('done')",
+}
+
+
+@pytest.mark.parametrize("cheat", CHEATS.values(), ids=list(CHEATS))
+def test_a_submission_that_changes_the_library_has_no_marks(cheat):
+    """In the cells of a student, where nobody stops it; the graded cell reads the library anew."""
+    source = assignments.assignment_source(NOTEBOOKS, "02")[1]
+    cell = graded(source, "grade")["lesson-02-grade-1"].source
+    wrong = "def compose(pose, step):\n    return [0.0, 0.0, 0.0]"
+    imports = "from npslam_teach import se2\nfrom npslam_teach.course import checking, trials\n"
+    imports += "from npslam_teach.course.drift import checks"
+    with pytest.raises(AssertionError, match="AssertionError: Not yet"):
+        in_a_process(f"{imports}\n{wrong}\n{cheat}\n{cell}")
+
+
+def test_right_answers_keep_their_marks_and_the_lesson_its_modules():
+    """Also where an answer is an object of the library's as the lesson has imported it, a graph."""
+    source = assignments.assignment_source(NOTEBOOKS, "06")[1]
+    exercises, tests = graded(source, "solution").values(), graded(source, "grade").values()
+    setup = "import numpy as np\nimport npslam_teach\nbefore = npslam_teach.PoseGraph"
+    cells = "\n".join(cell.source for cell in (*exercises, *tests))
+    in_a_process(f"{setup}\n{cells}\nassert npslam_teach.PoseGraph is before\nimport npslam_teach.course as c")
+
+
+def in_a_process(text):
+    done = subprocess.run([sys.executable, "-c", text], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
 
 
 def test_imports_of_a_solution_stay_within_it():

@@ -6,12 +6,16 @@ from functools import partial
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.course.checking import Verdict, judge_function
+from npslam_teach.course.checking import Verdict
+from npslam_teach.course.trials import Part, check_function, exactly, fresh
 from npslam_teach.datasets.recordings import FIRST_LANDMARK
 
 
 def check_hidden(hidden: Callable) -> Verdict:
     """Exercise 1: ``hidden(codes, barcodes, num_classes)``, the class of every sighting (m,), -1 for a robot."""
+
+    def truth(codes, barcodes, num_classes):
+        return variant(codes, barcodes, num_classes)
 
     def variant(codes, barcodes, num_classes, first=FIRST_LANDMARK, robots=True, wrapped=True, looked_up=True):
         subject = {int(code): int(number) for number, code in barcodes}
@@ -33,16 +37,26 @@ def check_hidden(hidden: Callable) -> Verdict:
             variant(codes, barcodes, n) < 0, -1, variant(codes, barcodes, n, wrapped=False) // n
         ),
     }
-    rng, trials = np.random.default_rng(12), []
+    rng, trials = fresh(), []
     for num_classes in (5, 1, 2, 3, 7, 5):
         barcodes = np.column_stack([np.arange(1, 21), rng.permutation(np.arange(5, 99))[:20]])
         trials.append((np.append(rng.choice(barcodes[:, 1], 14), barcodes[[0, 4, 6, 19], 1]), barcodes, num_classes))
+    codes, barcodes, num_classes = trials[0]
+    edges = {
+        "with nothing read": [(codes[:0], barcodes, num_classes)],
+        "with robots alone": [(barcodes[:5, 1].copy(), barcodes, num_classes)],
+        "with a table in another order": [(codes, rng.permutation(barcodes), num_classes)],
+        "with more classes than landmarks": [(codes, barcodes, 40)],
+    }
     praise = "what a thing is stays in the log, and which one it is leaves it"
-    return _judge("your classes", hidden, trials, variant, mistakes, praise)
+    return check_function(hidden, truth, Part("your classes", mistakes, exactly), trials, edges, praise)
 
 
 def check_lag_one(lag_one: Callable) -> Verdict:
     """Exercise 2: ``lag_one(errors, passes)``, a correlation."""
+
+    def truth(errors, passes):
+        return variant(errors, passes)
 
     def variant(off, passes, only_same=True, root=False, over_all=True, mean=True, centred=False, lag=1):
         off = off - off.mean() if centred else off
@@ -68,16 +82,25 @@ def check_lag_one(lag_one: Callable) -> Verdict:
             variant(off, passes, over_all=False) / np.sqrt(np.mean(off**2))
         ),
     }
-    rng, trials = np.random.default_rng(2), []
+    rng, trials = fresh(), []
     for count in (12, 20, 30, 25):
         passes = np.sort(rng.integers(0, count // 4, count))
         trials.append((rng.normal(0.1, 0.2, count) + rng.normal(0.0, 0.3, count)[passes], passes))
+    errors, passes = trials[0]
+    edges = {
+        "with a single pass": [(errors, np.zeros(len(errors), dtype=int))],
+        "with errors that are all the same": [(np.full(6, -0.3), np.array([0, 0, 0, 1, 1, 1]))],
+        "with passes that are numbered otherwise": [(errors, 100 - 7 * passes)],
+    }
     praise = "0 for errors that know nothing of each other, near 1 for errors that last"
-    return _judge("your correlation", lag_one, trials, variant, mistakes, praise)
+    return check_function(lag_one, truth, Part("your correlation", mistakes), trials, edges, praise)
 
 
 def check_growth(growth: Callable) -> Verdict:
     """Exercise 3: ``growth(odometry, poses, n)``, (3,) m, m, rad."""
+
+    def truth(odometry, poses, n):
+        return variant(odometry, poses, n)
 
     def variant(odometry, poses, n, wrapped=True, frames=True, power=0.5, centred=False, every=1):
         wheels = se2.dead_reckoning(odometry)
@@ -106,18 +129,32 @@ def check_growth(growth: Callable) -> Verdict:
             se2.dead_reckoning(odometry, poses[0])[n] - poses[n]
         ),
     }
-    rng, trials = np.random.default_rng(3), []
+    rng, trials = fresh(), []
     for n in (2, 5, 10):
         steps = np.column_stack([rng.uniform(0.05, 0.15, 40), rng.normal(0, 0.01, 40), rng.normal(0.2, 0.3, 40)])
         poses = se2.dead_reckoning(steps, (1.0, 2.0, 3.0))
         bias = np.array([0.01, 0.0, 0.03])
         trials.append((steps + bias + rng.normal(size=(40, 3)) * (0.01, 0.005, 0.3), poses, n))
-    praise = "in a random walk this grows with the root of n"
-    return _judge("your error", growth, trials, variant, mistakes, praise)
+    odometry, poses, _ = trials[0]
+    edges = {
+        "with single steps": [(odometry, poses, 1)],
+        "with a single stretch, the whole path": [(odometry, poses, len(odometry))],
+        "with wheels that do not err": [(odometry, se2.dead_reckoning(odometry), 4)],
+    }
+    part = Part("your error", mistakes, _rms)
+    return check_function(growth, truth, part, trials, edges, "in a random walk this grows with the root of n")
+
+
+def _rms(answer: np.ndarray, truth, tolerance: float) -> bool:
+    """Errors of motions of metres and radians: what is far below a micrometre is rounding."""
+    return answer.shape == np.shape(truth) and np.allclose(answer, truth, rtol=tolerance, atol=0.1 * tolerance)
 
 
 def check_share_outside(share_outside: Callable) -> Verdict:
     """Exercise 4: ``share_outside(off, std, gate)``, a share."""
+
+    def truth(off, std, gate):
+        return variant(off, std, gate)
 
     def variant(off, std, gate, squared=True, std_power=1, both=True, inside=False, chi=None):
         scaled = off / std**std_power
@@ -132,23 +169,36 @@ def check_share_outside(share_outside: Callable) -> Verdict:
         "divide by the standard deviation, not by its square": partial(variant, std_power=2),
         "this is how many, not which share": lambda off, std, gate: variant(off, std, gate) * len(off),
         "both numbers count together: the squares are added, then compared": partial(variant, both=False),
-        "the bound is for two numbers: chi-squared of two degrees of freedom": partial(
-            variant, chi=lambda gate: {0.5: 0.4549, 0.9: 2.7055, 0.99: 6.6349}[gate]
-        ),
+        "the bound is for two numbers: chi-squared of two degrees of freedom": partial(variant, chi=_one_number),
         "the 2 is missing: half the squared distance is exponential": partial(
             variant, chi=lambda gate: -np.log(1 - gate)
         ),
     }
-    rng, trials = np.random.default_rng(4), []
-    for gate in (0.5, 0.9, 0.99, 0.9):
+    rng, trials = fresh(), []
+    for gate in (0.5, 0.9, 0.99, *rng.uniform(0.4, 0.95, 2).tolist()):
         std = rng.uniform(0.05, 0.4, 2)
         trials.append((rng.normal(size=(600, 2)) * std * rng.uniform(0.8, 1.6), std, gate))
+    std = trials[0][1]
+    edges = {
+        "with errors of zero": [(np.zeros((5, 2)), std, 0.9)],
+        "with a single error": [(np.array([[9.0, 9.0]]), std, 0.9)],
+        "with errors far beyond": [(np.full((4, 2), 50.0), std, 0.99)],
+    }
     praise = "where it is far above one minus the gate, something else than the sensor's noise is at work"
-    return _judge("your share", share_outside, trials, variant, mistakes, praise)
+    return check_function(share_outside, truth, Part("your share", mistakes), trials, edges, praise)
+
+
+def _one_number(gate: float) -> float:
+    from scipy.stats import chi2
+
+    return chi2.ppf(gate, 1)
 
 
 def check_first_of_each_pass(first_of_each_pass: Callable) -> Verdict:
     """Exercise 5: ``first_of_each_pass(labels, times, gap)``, (M,) bool."""
+
+    def truth(labels, times, gap):
+        return variant(labels, times, gap)
 
     def variant(labels, times, gap, beyond=0, by_object=True, left_out=False, begin=True):
         chosen = np.zeros(len(labels), dtype=bool)
@@ -175,15 +225,22 @@ def check_first_of_each_pass(first_of_each_pass: Callable) -> Verdict:
         ),
         "count the gap from the sighting before, not from where the pass began": _from_the_beginning,
     }
-    rng, trials = np.random.default_rng(5), []
+    rng, trials = fresh(), []
     for gap in (3, 10, 5, 2):
         count = 40
         times = np.cumsum(rng.choice([1, gap, gap, gap + 1], count))  # no two sightings of an object in one frame
         labels = rng.choice([-1, 0, 1, 1, 1], count)
         order = rng.permutation(count)
         trials.append((labels[order], times[order], gap))
+    nobody = np.empty(0, dtype=int)
+    edges = {
+        "with no sighting": [(nobody, nobody, 5)],
+        "with labels of -1 alone": [(np.full(4, -1), np.array([3, 1, 50, 9]), 5)],
+        "with a single sighting": [(np.zeros(1, dtype=int), np.array([7]), 5)],
+        "with large numbers for objects": [(np.array([900, 5, 900, 900]), np.array([1, 2, 3, 40]), 5)],
+    }
     praise = "what is the same for a whole pass is now counted once"
-    return _judge("your choice", first_of_each_pass, trials, variant, mistakes, praise)
+    return check_function(first_of_each_pass, truth, Part("your choice", mistakes, exactly), trials, edges, praise)
 
 
 def _steps_added(odometry, poses, n) -> np.ndarray:
@@ -202,15 +259,3 @@ def _from_the_beginning(labels, times, gap) -> np.ndarray:
         if k >= 0 and times[m] - began.get(k, -(10**9)) > gap:
             chosen[m], began[k] = True, times[m]
     return chosen
-
-
-def _judge(name: str, function: Callable, trials: list, truth: Callable, mistakes: dict, praise: str) -> Verdict:
-    def for_example(answers, expected):
-        first = next(k for k, (a, e) in enumerate(zip(answers, expected, strict=True)) if not np.allclose(a, e))
-        right, yours = (
-            np.array2string(np.round(each, 3), separator=", ", threshold=8).replace("\n", "")
-            for each in (np.asarray(expected[first], dtype=float), np.asarray(answers[first], dtype=float))
-        )
-        return f"{name} is off: once it should have been {right}, and it was {yours}"
-
-    return judge_function(name, function, trials, truth, mistakes, praise, for_example)

@@ -1,141 +1,165 @@
 """The checks of lesson 07: chi2 per degree of freedom, the error of a path, and the adjusted Rand index."""
 
-import math
 from collections.abc import Callable
 
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.course.checking import Verdict, array_from, right, wrong
+from npslam_teach.course.checking import Verdict
+from npslam_teach.course.trials import Part, check_function, close, fresh
 from npslam_teach.evaluation import compare_partitions
 
 
 def check_per_dof(student: Callable) -> Verdict:
     """Exercise 1: ``student(chi2, num_poses, num_observations, num_objects)`` is chi2 per degree of freedom."""
-    rng = np.random.default_rng(7)
-    for _ in range(6):
-        poses, objects = int(rng.integers(5, 900)), int(rng.integers(1, 30))
-        seen, value = int(rng.integers(2 * objects + 3, 1500)), float(rng.uniform(10, 3000))
-        number, verdict = array_from("the answer", student, (), value, poses, seen, objects)
-        if verdict is not None:
-            return verdict
-        measured, unknown = 3 * (poses - 1) + 2 * seen, 3 * (poses - 1) + 2 * objects
-        if not math.isclose(number, value / (measured - unknown), rel_tol=1e-9):
-            return wrong(_mistake_in_per_dof(float(number), value, poses, seen, objects))
-    return right("near 1 when the model and the data agree")
 
+    def truth(chi2, num_poses, num_observations, num_objects):
+        return chi2 / (2 * num_observations - 2 * num_objects)
 
-def _mistake_in_per_dof(answer: float, value: float, poses: int, seen: int, objects: int) -> str:
-    steps = 3 * (poses - 1)
-    mistakes = {
-        "pose 0 is held still: it is the gauge, not an unknown": steps + 2 * seen - 3 * poses - 2 * objects,
-        "there is one step less than there are poses": 3 * poses + 2 * seen - steps - 2 * objects,
-        "the unknowns are not taken off: what is left over is measured minus unknown": steps + 2 * seen,
-        "the objects are not taken off: each has two unknown coordinates": 2 * seen,
-        "a sighting measures two numbers": steps + seen - steps - 2 * objects,
-        "an object has two unknown coordinates": steps + 2 * seen - steps - 3 * objects,
-        "an object has two unknown coordinates, not one": steps + 2 * seen - steps - objects,
-        "sightings and objects were counted, their coordinates are wanted": seen - objects,
-        "a pose has three unknowns, a step three measured numbers": 2 * seen - 2 * objects + (poses - 1),
+    # By message the degrees of freedom that the mistake counts, from the numbers of poses, sightings and objects.
+    counts = {
+        "pose 0 is held still: it is the gauge, not an unknown": lambda t, m, k: 2 * m - 2 * k - 3,
+        "there is one step less than there are poses": lambda t, m, k: 2 * m - 2 * k + 3,
+        "the unknowns are not taken off: what is left over is measured minus unknown": lambda t, m, k: (
+            3 * (t - 1) + 2 * m
+        ),
+        "the objects are not taken off: each has two unknown coordinates": lambda t, m, k: 2 * m,
+        "a sighting measures two numbers": lambda t, m, k: m - 2 * k,
+        "an object has two unknown coordinates": lambda t, m, k: 2 * m - 3 * k,
+        "an object has two unknown coordinates, not one": lambda t, m, k: 2 * m - k,
+        "sightings and objects were counted, their coordinates are wanted": lambda t, m, k: m - k,
+        "a pose has three unknowns, a step three measured numbers": lambda t, m, k: 2 * m - 2 * k + t - 1,
+        "chi2 is the whole sum here, not half of it": lambda t, m, k: 2 * (2 * m - 2 * k),
     }
-    for message, dof in mistakes.items():
-        if dof and math.isclose(answer, value / dof, rel_tol=1e-9):
-            return message
-    if math.isclose(answer, 0.5 * value / (2 * seen - 2 * objects), rel_tol=1e-9):
-        return "chi2 is the whole sum here, not half of it"
-    return "count the measured numbers of all steps and sightings, and take off the unknown ones"
+    mistakes = {message: lambda c, *sizes, dof=dof: c / dof(*sizes) for message, dof in counts.items()}
+    rng, trials = fresh(), []
+    for _ in range(12):
+        objects = int(rng.integers(1, 30))
+        seen = int(rng.integers(2 * objects + 3, 1500))
+        trials.append((float(rng.uniform(10, 3000)), int(rng.integers(5, 900)), seen, objects))
+    edges = {
+        "with a chi2 of zero": [(0.0, 5, 20, 4)],
+        "with a single pose, which no step leads to": [(7.0, 1, 9, 3)],
+        "with a single degree too many for an object each": [(3.0, 10, 5, 4)],
+    }
+    hint = "count the measured numbers of all steps and sightings, and take off the unknown ones"
+    praise = "near 1 when the model and the data agree"
+    return check_function(student, truth, Part("the answer", mistakes, hint=hint), trials, edges, praise)
 
 
 def check_mean_pose_error(student: Callable) -> Verdict:
     """Exercise 2: ``student(poses, true_poses)`` is the mean distance after the best rigid alignment."""
-    rng = np.random.default_rng(17)
-    for _ in range(4):
-        truth = np.cumsum(rng.normal(0, 0.4, (60, 3)), axis=0)
+
+    def errors(poses, true_poses):
+        motion = se2.align(poses[:, :2], true_poses[:, :2])
+        return np.linalg.norm(se2.apply(motion, poses[:, :2]) - true_poses[:, :2], axis=1)
+
+    def truth(poses, true_poses):
+        return errors(poses, true_poses).mean()
+
+    mistakes = {
+        "the path was not laid over the truth before measuring": lambda p, t: _apart(p[:, :2], t[:, :2]),
+        "the path was only shifted onto the truth: it must be turned too": lambda p, t: _apart(
+            p[:, :2] - p[:, :2].mean(axis=0) + t[:, :2].mean(axis=0), t[:, :2]
+        ),
+        "the motion was applied the wrong way round": lambda p, t: _apart(
+            se2.apply(se2.inverse(se2.align(p[:, :2], t[:, :2])), p[:, :2]), t[:, :2]
+        ),
+        "only the first poses were laid on each other: use the motion that fits the whole path best": lambda p, t: (
+            _apart(se2.apply(se2.compose(t[0], se2.inverse(p[0])), p[:, :2]), t[:, :2])
+        ),
+        "a motion turns and shifts, and your fit may mirror the path too": lambda p, t: _fitted(p, t, mirror=True),
+        "a motion turns and shifts, and your fit stretches the path too": lambda p, t: _fitted(p, t, stretch=True),
+        "this is the root of the mean square, asked for is the mean": lambda p, t: np.sqrt((errors(p, t) ** 2).mean()),
+        "these are squared metres: take the root of each": lambda p, t: (errors(p, t) ** 2).mean(),
+        "the errors are added up: divide by the number of poses": lambda p, t: errors(p, t).sum(),
+        "this is the median, asked for is the mean": lambda p, t: np.median(errors(p, t)),
+        "this is the largest error, asked for is the mean": lambda p, t: errors(p, t).max(),
+    }
+    rng, trials = fresh(), []
+    for count in (60, 40, 80, 25, 60):
+        true_poses = np.cumsum(rng.normal(0, 0.4, (count, 3)), axis=0)
         motion = np.array([rng.uniform(2, 5), rng.uniform(-5, -2), rng.uniform(0.5, 2.5)])
-        poses = se2.compose(motion, truth)
-        poses[:, :2] += np.cumsum(rng.normal(0, 0.1, (60, 2)), axis=0)
-        number, verdict = array_from("the error", student, (), poses.copy(), truth.copy())
-        if verdict is not None:
-            return verdict
-        errors = _aligned_errors(poses, truth)
-        if not math.isclose(number, errors.mean(), rel_tol=1e-9):
-            return wrong(_mistake_in_error(float(number), poses, truth, errors))
-    return right("a map may lie anywhere; only its shape is judged")
+        poses = se2.compose(motion, true_poses)
+        poses[:, :2] += np.cumsum(rng.normal(0, 0.1, (count, 2)), axis=0)
+        trials.append((poses, true_poses))
+    mirrored = trials[1][0] * [1, -1, -1]
+    trials.append((mirrored, trials[1][1]))
+    edges = {"with two poses that are too far apart": [(np.array([[0.0, 0, 0], [3, 0, 0]]), np.eye(3)[:2])]}
+    hint = "the number is off: align the x and y of the path, carry it over, and average the distances"
+    praise = "a map may lie anywhere; only its shape is judged"
+    return check_function(student, truth, Part("the error", mistakes, hint=hint), trials, edges, praise)
 
 
-def _aligned_errors(poses: np.ndarray, truth: np.ndarray) -> np.ndarray:
-    motion = se2.align(poses[:, :2], truth[:, :2])
-    return np.linalg.norm(se2.apply(motion, poses[:, :2]) - truth[:, :2], axis=1)
-
-
-def _mean_distance(xy: np.ndarray, other_xy: np.ndarray) -> float:
+def _apart(xy: np.ndarray, other_xy: np.ndarray) -> float:
     return float(np.linalg.norm(xy - other_xy, axis=1).mean())
 
 
-def _mistake_in_error(answer: float, poses: np.ndarray, truth: np.ndarray, errors: np.ndarray) -> str:
-    here, there = poses[:, :2], truth[:, :2]
-    back = se2.inverse(se2.align(here, there))
-    by_first = se2.compose(truth[0], se2.inverse(poses[0]))
-    shifted = here - here.mean(axis=0) + there.mean(axis=0)
-    candidates = {
-        "the path was not laid over the truth before measuring": _mean_distance(here, there),
-        "the path was only shifted onto the truth: it must be turned too": _mean_distance(shifted, there),
-        "the motion was applied the wrong way round": _mean_distance(se2.apply(back, here), there),
-        "only the first poses were laid on each other: use the motion that fits the whole path best": _mean_distance(
-            se2.apply(by_first, here), there
-        ),
-        "this is the root of the mean square, asked for is the mean": np.sqrt((errors**2).mean()),
-        "these are squared metres: take the root of each": (errors**2).mean(),
-        "the errors are added up: divide by the number of poses": errors.sum(),
-        "this is the median, asked for is the mean": np.median(errors),
-        "this is the largest error, asked for is the mean": errors.max(),
-    }
-    for message, number in candidates.items():
-        if math.isclose(answer, number, rel_tol=1e-9):
-            return message
-    return "the number is off: align the x and y of the path, carry it over, and average the distances"
+def _fitted(poses: np.ndarray, truth: np.ndarray, mirror: bool = False, stretch: bool = False) -> float:
+    """The mean error after a fit that has too much freedom."""
+    xy, true_xy = (each[:, :2] - each[:, :2].mean(axis=0) for each in (poses, truth))
+    left, sizes, right = np.linalg.svd(xy.T @ true_xy)
+    keep = np.array([1.0, 1.0 if mirror else np.sign(np.linalg.det(left @ right))])
+    scale = (sizes * keep).sum() / (xy**2).sum() if stretch else 1.0
+    return _apart(scale * xy @ (left * keep) @ right, true_xy)
 
 
 def check_adjusted_rand(student: Callable) -> Verdict:
     """Exercise 3: ``student(true_labels, labels)`` is the adjusted Rand index, by counting pairs."""
-    rng = np.random.default_rng(27)
-    for _ in range(6):
-        true_labels = rng.integers(0, 4, 40)
-        labels = np.where(rng.random(40) < 0.6, true_labels, rng.integers(0, 6, 40))
-        number, verdict = array_from("the index", student, (), true_labels.copy(), labels.copy())
-        if verdict is not None:
-            return verdict
-        expected = compare_partitions(true_labels, labels)[0]
-        if not math.isclose(number, expected, rel_tol=1e-9, abs_tol=1e-12):
-            return wrong(_mistake_in_rand(float(number), true_labels, labels))
-    return right("1 is perfect and 0 is what chance would give, whatever the objects are called")
 
+    def truth(true_labels, labels):
+        return compare_partitions(true_labels, labels)[0]
 
-def _mistake_in_rand(answer: float, true_labels: np.ndarray, labels: np.ndarray) -> str:
-    in_true, in_found = (x[:, None] == x for x in (true_labels, labels))
-    pair = np.triu(np.ones(in_true.shape, dtype=bool), k=1)
-    both, true_pairs, found_pairs, pairs = (
-        np.count_nonzero(m & pair) for m in (in_true & in_found, in_true, in_found, pair)
-    )
-    expected, mean = true_pairs * found_pairs / pairs, (true_pairs + found_pairs) / 2
-    # The same with both orders of a pair and with pairs of an observation and itself.
-    own = [np.count_nonzero(m) for m in (in_true & in_found, in_true, in_found, np.ones(in_true.shape))]
-    own_expected = own[1] * own[2] / own[3]
+    def index(t, x, below=lambda a, b, mean: mean, chance_above=True, chance_below=True, own=False):
+        a, b, n, pairs = _pairs(t, x, own)
+        chance = a * b / pairs
+        return (n - chance_above * chance) / (below(a, b, (a + b) / 2) - chance_below * chance)
+
     mistakes = {
-        "this is the Rand index: take off what chance would give": np.count_nonzero((in_true == in_found) & pair)
-        / pairs,
-        "chance is not taken off: subtract the expected number of pairs above and below": both / mean,
-        "chance is taken off above the line only": (both - expected) / mean,
-        "below the line stands the mean of the two numbers of pairs, you took the larger": (both - expected)
-        / (max(true_pairs, found_pairs) - expected),
-        "below the line stands the mean of the two numbers of pairs, you took their sum": (both - expected)
-        / (2 * mean - expected),
-        "a sighting is no pair with itself": (own[0] - own_expected) / ((own[1] + own[2]) / 2 - own_expected),
-        "this is the share of right labels, but names of objects mean nothing: count pairs": np.mean(
-            true_labels == labels
+        "this is the Rand index: take off what chance would give": lambda t, x: (
+            1 - (_pairs(t, x)[0] + _pairs(t, x)[1] - 2 * _pairs(t, x)[2]) / _pairs(t, x)[3]
         ),
+        "chance is not taken off: subtract the expected number of pairs above and below": lambda t, x: index(
+            t, x, chance_above=False, chance_below=False
+        ),
+        "chance is taken off above the line only": lambda t, x: index(t, x, chance_below=False),
+        "below the line stands the mean of the two numbers of pairs, you took the larger": lambda t, x: index(
+            t, x, below=lambda a, b, mean: max(a, b)
+        ),
+        "below the line stands the mean of the two numbers of pairs, you took their sum": lambda t, x: index(
+            t, x, below=lambda a, b, mean: a + b
+        ),
+        "a sighting is no pair with itself": lambda t, x: index(t, x, own=True),
+        "this is the share of right labels, but names of objects mean nothing: count pairs": lambda t, x: np.mean(
+            t == x
+        ),
+        "worse than chance is below zero, and must not be cut off there": lambda t, x: max(0.0, truth(t, x)),
     }
-    for message, number in mistakes.items():
-        if math.isclose(answer, number, rel_tol=1e-9):
-            return message
-    return "the number is off: count the pairs that are together in the truth, in the result, and in both"
+    rng, trials = fresh(), []
+    for count in (40, 25, 60, 40):
+        true_labels = rng.integers(0, 4, count)
+        trials.append((true_labels, np.where(rng.random(count) < 0.6, true_labels, rng.integers(0, 6, count))))
+    rows = np.arange(12) // 4  # each group of the one meets each group of the other once: less than by chance
+    trials.append((rows, np.arange(12) % 4))
+    left_out = np.where(rng.random(40) < 0.3, -1, trials[0][1])
+    edges = {
+        "with labels of -1, a group like any other here": [(trials[0][0], left_out), (left_out, trials[0][0])],
+        "with the same groups under other names": [(rows, 7 - rows)],
+        "with large numbers for names": [(rows * 1000, np.arange(12) % 4 * 10**6)],
+        "with hundreds of sightings": [(rng.integers(0, 5, 600), rng.integers(0, 5, 600))],
+    }
+    hint = "the number is off: count the pairs that are together in the truth, in the result, and in both"
+    praise = "1 is perfect and 0 is what chance would give, whatever the objects are called"
+    return check_function(student, truth, Part("the index", mistakes, _as_index, hint=hint), trials, edges, praise)
+
+
+def _as_index(answer: np.ndarray, truth, tolerance: float) -> bool:
+    """An index near zero is a small difference of large counts, and good to the precision of 1."""
+    return close(answer, truth, tolerance) or (answer.shape == () and abs(float(answer) - truth) < tolerance / 10)
+
+
+def _pairs(true_labels: np.ndarray, labels: np.ndarray, own: bool = False) -> tuple:
+    """Pairs together in the truth, in the result, in both, and all; with both orders and pairs with itself, or once."""
+    in_true, in_found = (x[:, None] == x for x in (true_labels, labels))
+    pair = np.ones(in_true.shape, dtype=bool) if own else np.triu(np.ones(in_true.shape, dtype=bool), k=1)
+    return tuple(np.count_nonzero(each & pair) for each in (in_true, in_found, in_true & in_found, pair))

@@ -7,13 +7,17 @@ from itertools import permutations
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.course.checking import Verdict, answer_of, as_array, judge_function, right, wrong
+from npslam_teach.course.checking import Verdict
+from npslam_teach.course.trials import Part, check_function, exactly, fresh
 
 NOT_SQUARED = "a standard deviation must be squared before it is added to a variance"
 
 
 def check_kalman_gain(kalman_gain: Callable) -> Verdict:
     """Exercise 1: ``kalman_gain(variance, slope, noise_std)``, a number."""
+
+    def truth(variance, slope, noise_std):
+        return variant(variance, slope, noise_std)
 
     def variant(p, h, std, power=2, sign=True, square_slope=True, noise=True):
         return p * (h if sign else abs(h)) / (p * (h**2 if square_slope else abs(h)) + noise * std**power)
@@ -33,22 +37,25 @@ def check_kalman_gain(kalman_gain: Callable) -> Verdict:
         ),
         "the slope is missing above the line": lambda p, h, std: p / (h**2 * p + std**2),
     }
-    rng = np.random.default_rng(0)
-    trials = [
-        (*rng.uniform(0.05, 2, 1), rng.choice([-1, 1]) * rng.uniform(0.3, 3), rng.uniform(0.1, 2)) for _ in range(8)
-    ]
+    rng = fresh()
+    slopes = rng.uniform(0.3, 3, 8) * [1, -1, 1, -1, 1, -1, 1, -1]
+    trials = [(float(rng.uniform(0.05, 2)), float(slope), float(rng.uniform(0.1, 2))) for slope in slopes]
+    edges = {
+        "with a belief that is next to nothing": [(1e6, 2.0, 0.3)],
+        "with a belief that is next to certain": [(1e-6, -1.5, 0.3)],
+    }
     praise = "the gain weighs the belief against the sensor"
-    return _judge("your gain", kalman_gain, trials, variant, mistakes, praise)
+    return check_function(kalman_gain, truth, Part("your gain", mistakes), trials, edges, praise)
 
 
 def check_squared_mahalanobis(squared_mahalanobis: Callable) -> Verdict:
     """Exercise 2: ``squared_mahalanobis(innovation, innovation_cov)``, a number."""
 
-    def true_value(y, cov):
-        return y @ np.linalg.solve(cov, y)
+    def truth(innovation, innovation_cov):
+        return innovation @ np.linalg.solve(innovation_cov, innovation)
 
     mistakes = {
-        "that is the distance itself; the square is asked for": lambda y, cov: np.sqrt(true_value(y, cov)),
+        "that is the distance itself; the square is asked for": lambda y, cov: np.sqrt(truth(y, cov)),
         "the covariance is multiplied, not divided by: a wide gate must make a distance small": lambda y, cov: (
             y @ cov @ y
         ),
@@ -59,14 +66,22 @@ def check_squared_mahalanobis(squared_mahalanobis: Callable) -> Verdict:
         "the inverse is taken number by number: a matrix has an inverse as a whole": lambda y, cov: y @ (1 / cov) @ y,
         "the covariance is inverted twice": lambda y, cov: np.sum(np.linalg.solve(cov, y) ** 2),
     }
-    rng = np.random.default_rng(1)
+    rng = fresh()
     trials = [(rng.normal(size=2), _covariance(rng, 2)) for _ in range(8)]
+    edges = {
+        "with an innovation of zero": [(np.zeros(2), _covariance(rng, 2))],
+        "with errors that do not hang together": [(rng.normal(size=2), np.diag(rng.uniform(0.1, 2, 2)))],
+    }
     praise = "distances are now counted in standard deviations, whatever the direction"
-    return _judge("your number", squared_mahalanobis, trials, true_value, mistakes, praise)
+    return check_function(squared_mahalanobis, truth, Part("your number", mistakes), trials, edges, praise)
 
 
 def check_match_frame(match_frame: Callable) -> Verdict:
     """Exercise 3: ``match_frame(squared_distance, gate)``, (m,) objects or -1."""
+
+    def truth(squared_distance, gate):
+        return _best(squared_distance, gate)
+
     mistakes = {
         "two sightings of one frame share an object: both took the nearest": _nearest,
         "sightings take turns, and the first takes the nearest: together they could do better": _greedy,
@@ -76,17 +91,27 @@ def check_match_frame(match_frame: Callable) -> Verdict:
         ),
         "the total is made as large as can be, not as small": lambda d, gate: _best(-np.minimum(d, 1e6), np.inf),
     }
-    rng, trials = np.random.default_rng(2), [(np.array([[1.0, 2.0], [1.5, 8.0]]), 9.0)]
+    rng, trials = fresh(), [(np.array([[1.0, 2.0], [1.5, 8.0]]), 9.0)]
     trials += [(np.array([[0.0, 9.1], [0.1, 30.0]]), 9.0), (np.array([[4.0]]), 3.0)]
-    while len(trials) < 40:
-        shape = rng.integers(1, 4, 2)
-        trials.append((rng.uniform(0, 14, shape), 9.0))
+    while len(trials) < 60:
+        trials.append((rng.uniform(0, 14, rng.integers(1, 4, 2)), float(rng.choice([4.0, 9.0, rng.uniform(2, 12)]))))
+    edges = {
+        "with no object yet": [(np.empty((2, 0)), 9.0)],
+        "with no sighting": [(np.empty((0, 3)), 9.0)],
+        "with objects of other classes, which are infinitely far away": [
+            (np.where(rng.random(d.shape) < 0.4, np.inf, d), gate) for d, gate in trials[3:18]
+        ],
+        "with infinite distances alone": [(np.full((2, 2), np.inf), 9.0)],
+    }
     praise = "no two sightings share an object, and nothing beyond the gate is matched"
-    return _judge("your matches", match_frame, trials, _best, mistakes, praise)
+    return check_function(match_frame, truth, Part("your matches", mistakes, exactly), trials, edges, praise)
 
 
 def check_add_object(add_object: Callable) -> Verdict:
     """Exercise 4: ``add_object(mean, cov, xy, observation_std)``: mean (n+2,) and covariance (n+2, n+2)."""
+
+    def truth(mean, cov, xy, observation_std):
+        return variant(mean, cov, xy, observation_std)
 
     def variant(mean, cov, xy, std, lever=1.0, turned=True, power=2, noise=True, cross="all", moved=True, swap=False):
         rotation = se2.rotate(mean[2], np.eye(2)).T
@@ -118,19 +143,34 @@ def check_add_object(add_object: Callable) -> Verdict:
         NOT_SQUARED: {"power": 1},
         "the error of the sighting itself is missing": {"noise": False},
     }
-    rng = np.random.default_rng(3)
-    for size in (3, 5, 9, 7):
+    rng, trials = fresh(), []
+    for size in (5, 3, 9, 7):
         mean = np.append(rng.uniform(-3, 3, 3), rng.uniform(-5, 5, size - 3))
-        trial = mean, _covariance(rng, size), rng.uniform(-3, 3, 2), rng.uniform(0.2, 1.2, 2)
-        verdict = _judge_pair(add_object, trial, variant, of_mean, of_cov)
-        if verdict is not None:
-            return verdict
-    return right("the state has grown by two, and the new object hangs on everything that the pose hangs on")
+        trials.append((mean, _covariance(rng, size), rng.uniform(-3, 3, 2), rng.uniform(0.2, 1.2, 2)))
+    mean, cov, xy, std = trials[0]
+    edges = {
+        "with the object at the robot": [(mean, cov, np.zeros(2), std)],
+        "with a state that is known exactly": [(mean, np.zeros((5, 5)), xy, std)],
+    }
+    parts = (
+        Part("your mean", _part(variant, of_mean, 0), hint=_mean_difference),
+        Part("your covariance", _part(variant, of_cov, 1), hint=_cov_difference),
+    )
+    praise = "the state has grown by two, and the new object hangs on everything that the pose hangs on"
+    return check_function(add_object, truth, parts, trials, edges, praise)
+
+
+def _part(variant: Callable, wrongly: dict, k: int) -> dict:
+    """By message, the part of the answer that a mistake gives."""
+    return {text: lambda *trial, keys=keys: variant(*trial, **keys)[k] for text, keys in wrongly.items()}
 
 
 def check_nis_bounds(nis_bounds: Callable) -> Verdict:
     """Exercise 5: ``nis_bounds(num_matches, probability)``, the low and the high end, (2,)."""
     from scipy.stats import chi2, norm
+
+    def truth(num_matches, probability):
+        return variant(num_matches, probability)
 
     def variant(num_matches, probability, numbers=2, average=True, tails=2):
         dof, tail = numbers * num_matches, (1 - probability) / 2
@@ -152,46 +192,33 @@ def check_nis_bounds(nis_bounds: Callable) -> Verdict:
         ),
         "the high end comes first: low, then high": lambda n, p: variant(n, p)[::-1],
     }
-    trials = [(n, p) for n in (1, 7, 50, 400) for p in (0.9, 0.95, 0.99)]
+    rng = fresh()
+    trials = [(int(n), float(rng.uniform(0.6, 0.98))) for n in (2, 7, 50, 400, *rng.integers(3, 900, 6))]
+    edges = {"with a single match": [(1, 0.95)], "with thousands of matches": [(5000, 0.99)]}
     praise = "a filter whose average leaves these bounds is too sure of itself, or not sure enough"
-    return _judge("your bounds", nis_bounds, trials, variant, mistakes, praise)
+    return check_function(nis_bounds, truth, Part("your bounds", mistakes), trials, edges, praise)
 
 
-def _judge_pair(add_object: Callable, trial: tuple, variant: Callable, of_mean: dict, of_cov: dict) -> Verdict | None:
-    """One trial of exercise 4: None when the answer is right."""
-    answer, verdict = answer_of(add_object, *(each.copy() for each in trial))
-    if verdict is not None:
-        return verdict
-    if not (isinstance(answer, tuple | list) and len(answer) == 2):
-        return wrong("return two things: the new mean and the new covariance")
-    parts = []
-    for name, part, wanted in zip(("your mean", "your covariance"), answer, variant(*trial), strict=True):
-        if part is ...:
-            return wrong(f"{name} is still the dots")
-        array, verdict = as_array(name, part, wanted.shape)
-        if verdict is not None:
-            return verdict
-        parts.append(array)
-    for k, mistakes in enumerate((of_mean, of_cov)):
-        if np.allclose(parts[k], variant(*trial)[k]):
-            continue
-        for message, keys in mistakes.items():
-            if np.allclose(parts[k], variant(*trial, **keys)[k]):
-                return wrong(message)
-        return wrong(_unknown_difference(k, parts, trial, variant))
-    return None
+def _mean_difference(answers: list, expected: list) -> str:
+    n, off = _first_off(answers, expected)
+    return "the old numbers of your mean have changed" if off[:n].any() else "the new object is at the wrong place"
 
 
-def _unknown_difference(k: int, parts: list, trial: tuple, variant: Callable) -> str:
-    n, off = len(trial[0]), ~np.isclose(parts[k], variant(*trial)[k])
-    if k == 0:
-        return "the old numbers of your mean have changed" if off[:n].any() else "the new object is at the wrong place"
+def _cov_difference(answers: list, expected: list) -> str:
+    n, off = _first_off(answers, expected)
     if off[:n, :n].any():
         return "the old part of your covariance has changed: a new object says nothing about the old numbers"
-    if not np.allclose(parts[1], parts[1].T):
+    if not all(np.allclose(each, each.T) for each in answers):
         return "your covariance is not symmetric"
     where = "what it shares with the old numbers" if off[:n].any() else "its own two by two"
     return f"the new object's covariance is off: look at {where}"
+
+
+def _first_off(answers: list, expected: list) -> tuple[int, np.ndarray]:
+    """The old size of the state, and which numbers differ, in the first wrong answer."""
+    pairs = ((e, ~np.isclose(a, e)) for a, e in zip(answers, expected, strict=True))
+    wanted, off = next(each for each in pairs if each[1].any())
+    return len(wanted) - 2, off
 
 
 def _best(squared_distance: np.ndarray, gate: float) -> np.ndarray:
@@ -227,12 +254,3 @@ def _thrown_away(squared_distance: np.ndarray, gate: float) -> np.ndarray:
 def _covariance(rng: np.random.Generator, size: int) -> np.ndarray:
     root = rng.normal(size=(size, size))
     return root @ root.T + 0.1 * np.eye(size)
-
-
-def _judge(name: str, function: Callable, trials: list, truth: Callable, mistakes: dict, praise: str) -> Verdict:
-    def for_example(answers, expected):
-        off = next(trial for a, e, trial in zip(answers, expected, trials, strict=True) if not np.allclose(a, e))
-        shown = (np.array2string(np.round(each, 2), separator=", ").replace("\n", "") for each in map(np.array, off))
-        return f"{name} is off, for example for {', '.join(shown)}"
-
-    return judge_function(name, function, trials, truth, mistakes, praise, for_example)

@@ -7,13 +7,14 @@ from functools import partial
 import numpy as np
 
 from npslam_teach.association.dirichlet_process import log_partition_prior
-from npslam_teach.course.checking import Verdict, answer_of, as_array, judge, judge_function, right, wrong
+from npslam_teach.course.checking import Verdict
+from npslam_teach.course.trials import Part, check_function, fresh
 
 
 def check_crp_probability(crp_probability: Callable) -> Verdict:
     """Exercise 1: ``crp_probability(counts, alpha)``, a number."""
 
-    def true_value(counts, alpha):
+    def truth(counts, alpha):
         return math.exp(log_partition_prior(counts, alpha))
 
     def seated(counts, alpha, guests=lambda n: math.factorial(n - 1), power=True):
@@ -35,11 +36,16 @@ def check_crp_probability(crp_probability: Callable) -> Verdict:
         "the tables' own factors (n - 1)! are missing": lambda c, a: a ** len(c) / arrivals(c, a),
         "that is the logarithm; the probability is asked for": lambda c, a: log_partition_prior(c, a),
     }
-    counts = ([3], [1, 1, 2], [4, 1], [2, 2, 3], [1, 1, 1, 1])
-    trials = [(np.array(c), a) for c in counts for a in (0.4, 1.0, 2.5)]
-    return _judge(
-        "your number", crp_probability, trials, true_value, mistakes, "nothing in it asks who came first or sat where"
-    )
+    rng = fresh()
+    some = ([3], [1, 1, 2], [4, 1], [2, 2, 3], [1, 1, 1, 1], rng.integers(1, 7, 3), rng.integers(1, 7, 4))
+    trials = [(np.array(c), a) for c in some for a in (0.4, 1.0, float(rng.uniform(1.2, 4.0)))]
+    edges = {
+        "with one guest, who is certain to open a table": [(np.array([1]), 0.7)],
+        "with tables of twenty and more, whose factors are too large for 64 bits": [(np.array([24, 31]), 0.6)],
+        "with nobody": [(np.empty(0, dtype=int), 0.6)],
+    }
+    praise = "nothing in it asks who came first or sat where"
+    return check_function(crp_probability, truth, Part("your number", mistakes), trials, edges, praise)
 
 
 def check_move_probabilities(move_probabilities: Callable) -> Verdict:
@@ -51,122 +57,120 @@ def check_move_probabilities(move_probabilities: Callable) -> Verdict:
         places = range(others.max() + 2)
         return np.array([log_p(np.unique(np.insert(rest, k, i), return_inverse=True)[1]) for i in places])
 
-    def true_value(*trial):
-        w = np.exp(logs(*trial) - logs(*trial).max())
-        return w / w.sum()
+    def truth(log_p, labels, k):
+        return _softmax(logs(log_p, labels, k))
 
     mistakes = {
         "these are logarithms: take exp before you divide by the sum": lambda *t: logs(*t) / logs(*t).sum(),
         "these are logarithms of the weights: take exp, and divide by the sum": logs,
         "they do not add up to one: divide by the sum": lambda *t: np.exp(logs(*t) - logs(*t).max()),
-        "a new object comes last, not first": lambda *t: np.roll(true_value(*t), 1),
-        "the weights are right but their order is reversed": lambda *t: true_value(*t)[::-1],
+        "a new object comes last, not first": lambda *t: np.roll(truth(*t), 1),
+        "the weights are right but their order is reversed": lambda *t: truth(*t)[::-1],
         "the sighting was not taken out first: its own object, if it is alone there, counts twice": (
             lambda *t: _softmax(logs(*t, taken_out=False))
         ),
         "all places are alike to you: log_p is not used": lambda *t: np.full(len(logs(*t)), 1 / len(logs(*t))),
         "a new object has no place in your answer: K objects and one more": lambda *t: _softmax(logs(*t)[:-1]),
     }
-    rng = np.random.default_rng(4)
+    rng = fresh()
     labelings = ([0, 0, 1, 1, 2], [0, 1, 0, 2, 1], [0, 1, 2, 3, 4], [0, 0, 0, 0, 0], [0, 1, 1, 2, 0])
     trials = [(_some_log_p(rng), np.array(labels), k) for labels in labelings for k in (0, 3)]
+    edges = {
+        "for the last sighting": [(_some_log_p(rng), np.array([0, 1, 0, 2, 3]), 4)],
+        "with two sightings": [(_some_log_p(rng), np.array([0, 0]), 1), (_some_log_p(rng), np.array([0, 1]), 0)],
+    }
     praise = "every place is weighed by the whole posterior, and no distance was compared with a threshold"
-    return _judge("your vector", move_probabilities, trials, true_value, mistakes, praise)
+    return check_function(move_probabilities, truth, Part("your vector", mistakes), trials, edges, praise)
 
 
 def check_eliminate(eliminate: Callable) -> Verdict:
     """Exercise 3: ``eliminate(H, b, num_poses)``: information (m, m) and gradient (m,) of the landmarks alone."""
-    rng = np.random.default_rng(5)
-    for n, m in ((1, 2), (3, 4), (6, 2), (2, 5)):
-        root = rng.normal(size=(n + m, n + m))
-        h, b = root @ root.T + 0.3 * np.eye(n + m), rng.normal(size=n + m)
-        answer, verdict = answer_of(eliminate, h.copy(), b.copy(), n)
-        verdict = verdict or _mistake_in_elimination(answer, h, b, n)
-        if verdict is not None:
-            return verdict
-    return right("the poses are gone, and everything that they tied together is still tied")
 
+    def truth(H, b, num_poses):
+        n = num_poses
+        carried = np.linalg.solve(H[:n, :n], H[:n, n:]).T
+        return H[n:, n:] - carried @ H[:n, n:], b[n:] - carried @ b[:n]
 
-def _mistake_in_elimination(answer, h: np.ndarray, b: np.ndarray, n: int) -> Verdict | None:
-    if not (isinstance(answer, tuple | list) and len(answer) == 2):
-        return wrong("return two things: the information and the gradient")
-    xx, xl, ll = h[:n, :n], h[:n, n:], h[n:, n:]
-    solved = np.linalg.solve(xx, np.column_stack([xl, b[:n]]))
-    information, gradient = ll - xl.T @ solved[:, :-1], b[n:] - xl.T @ solved[:, -1]
+    def less(H, n, between):
+        return H[n:, n:] - H[:n, n:].T @ between(H[:n, :n]) @ H[:n, n:]
+
     of_information = {
-        "the landmarks' own block alone: so it would be if the poses were known exactly": ll,
-        "what the poses take away is added: poses that are not known make the map less sure, not surer": (
-            2 * ll - information
+        "the landmarks' own block alone: so it would be if the poses were known exactly": lambda H, b, n: H[n:, n:],
+        "what the poses take away is added: poses that are not known make the map less sure": lambda H, b, n: (
+            2 * H[n:, n:] - truth(H, b, n)[0]
         ),
-        "multiplied by H_xx instead of its inverse": ll - xl.T @ xx @ xl,
-        "the inverse is taken number by number: a matrix has an inverse as a whole": ll - xl.T @ (1 / xx) @ xl,
-        "that is the covariance of the landmarks; its inverse is the information": np.linalg.inv(h)[n:, n:],
+        "multiplied by H_xx instead of its inverse": lambda H, b, n: less(H, n, np.array),
+        "the inverse is taken number by number: a matrix has an inverse as a whole": lambda H, b, n: less(
+            H, n, lambda xx: 1 / xx
+        ),
+        "that is the covariance of the landmarks; its inverse is the information": lambda H, b, n: np.linalg.inv(H)[
+            n:, n:
+        ],
     }
     of_gradient = {
-        "the landmarks' own part of b alone: what the poses want has been forgotten": b[n:],
-        "the sign of what the poses add to the gradient is wrong": 2 * b[n:] - gradient,
-        "minus the gradient: keep the sign of b": -gradient,
+        "the landmarks' own part of b alone: what the poses want has been forgotten": lambda H, b, n: b[n:],
+        "the sign of what the poses add to the gradient is wrong": lambda H, b, n: 2 * b[n:] - truth(H, b, n)[1],
+        "minus the gradient: keep the sign of b": lambda H, b, n: -truth(H, b, n)[1],
+    }
+    rng, trials = fresh(), []
+    for n, m in ((1, 2), (3, 4), (6, 2), (2, 5), (4, 3)):
+        root = rng.normal(size=(n + m, n + m))
+        trials.append((root @ root.T + 0.3 * np.eye(n + m), rng.normal(size=n + m), n))
+    H, b, n = trials[1]
+    apart = np.diag(np.diag(H))
+    edges = {
+        "with poses and landmarks that share nothing": [(apart, b, n)],
+        "without poses": [(H, b, 0)],
+        "at the minimum, where b is zero": [(H, np.zeros(len(b)), n)],
     }
     hint = "the first num_poses rows and columns of H are those of the poses"
-    parts = (("your information", information, of_information), ("your gradient", gradient, of_gradient))
-    return _judge_parts(answer, parts, hint)
+    parts = (Part("your information", of_information, hint=hint), Part("your gradient", of_gradient, hint=hint))
+    praise = "the poses are gone, and everything that they tied together is still tied"
+    return check_function(eliminate, truth, parts, trials, edges, praise)
 
 
 def check_summarise(summarise: Callable) -> Verdict:
     """Exercise 4: ``summarise(partitions, number)``: a probability, and (N, N) how often two are one object."""
-    rng = np.random.default_rng(6)
-    for count, size in ((40, 5), (17, 3), (60, 7)):
-        drawn = [np.unique(rng.integers(0, 4, size), return_inverse=True)[1] for _ in range(count)]
-        for number in (1, 2, 3, 4):
-            answer, verdict = answer_of(summarise, np.array(drawn), number)
-            verdict = verdict or _mistake_in_summary(answer, np.array(drawn), number)
-            if verdict is not None:
-                return verdict
-    return right("two numbers that no single answer has: how many, and which pairs, with what probability")
 
+    def truth(partitions, number):
+        return share(partitions, lambda found: found == number), together(partitions).mean(axis=0)
 
-def _mistake_in_summary(answer, partitions: np.ndarray, number: int) -> Verdict | None:
-    if not (isinstance(answer, tuple | list) and len(answer) == 2):
-        return wrong("return two things: the probability of the number, and the matrix of pairs")
-    most = partitions.max(axis=1)
-    share = float(np.mean(most + 1 == number))
-    together = (partitions[:, :, None] == partitions[:, None, :]).mean(axis=0)
+    def share(partitions, wanted, first=1):
+        return float(np.mean(wanted(partitions.max(axis=1) + first)))
+
+    def together(partitions):
+        return partitions[:, :, None] == partitions[:, None, :]
+
     of_share = {
-        "labels count from 0: three objects have labels 0, 1 and 2": np.mean(most == number),
-        "that is how many samples have so many objects; divide by the number of samples": share * len(most),
-        "so many objects exactly, not at most": np.mean(most + 1 <= number),
-        "so many objects exactly, not at least": np.mean(most + 1 >= number),
+        "labels count from 0: three objects have labels 0, 1 and 2": lambda p, n: share(p, lambda k: k == n, first=0),
+        "that is how many samples have so many objects; divide by the number of samples": lambda p, n: (
+            share(p, lambda k: k == n) * len(p)
+        ),
+        "so many objects exactly, not at most": lambda p, n: share(p, lambda k: k <= n),
+        "so many objects exactly, not at least": lambda p, n: share(p, lambda k: k >= n),
     }
     of_pairs = {
-        "that is how often; divide by the number of samples": together * len(partitions),
-        "a tracklet is one object with itself: the diagonal is 1": together - np.eye(len(together)),
-        "that is how often they are apart": 1 - together,
-        "one sample alone, the last, is no probability": (partitions[-1][:, None] == partitions[-1]).astype(float),
-        "one sample alone, the first, is no probability": (partitions[0][:, None] == partitions[0]).astype(float),
+        "that is how often; divide by the number of samples": lambda p, n: together(p).sum(axis=0),
+        "a tracklet is one object with itself: the diagonal is 1": lambda p, n: (
+            together(p).mean(axis=0) - np.eye(p.shape[1])
+        ),
+        "that is how often they are apart": lambda p, n: 1 - together(p).mean(axis=0),
+        "one sample alone, the last, is no probability": lambda p, n: together(p)[-1],
+        "one sample alone, the first, is no probability": lambda p, n: together(p)[0],
+    }
+    rng, trials = fresh(), []
+    for count, size in ((40, 5), (17, 3), (60, 7)):
+        drawn = np.array([np.unique(rng.integers(0, 4, size), return_inverse=True)[1] for _ in range(count)])
+        trials += [(drawn, number) for number in (1, 2, 3, 4)]
+    edges = {
+        "with a single sample": [(np.array([[0, 1, 0]]), 2)],
+        "with a number that no sample has": [(np.array([[0, 1, 0], [0, 0, 1]]), 7)],
+        "with a single tracklet": [(np.zeros((5, 1), dtype=int), 1)],
     }
     hint = "compare labels within a sample, then average over the samples"
-    parts = (("your probability", np.array(share), of_share), ("your matrix", together, of_pairs))
-    return _judge_parts(answer, parts, hint)
-
-
-def _judge_parts(answer, parts: tuple, hint: str) -> Verdict | None:
-    """None if every part of the answer is right; else a verdict on the first that is not.
-
-    Args:
-        answer: as many parts.
-        parts: of each the name, the right value, and by message what a mistake gives.
-        hint: for an unknown mistake.
-    """
-    for part, (name, wanted, mistakes) in zip(answer, parts, strict=True):
-        if part is ...:
-            return wrong(f"{name} is still the dots")
-        array, verdict = as_array(name, part, wanted.shape)
-        if verdict is not None:
-            return verdict
-        verdict = judge(array, wanted, mistakes, f"{name} is off: {hint}")
-        if verdict is not None:
-            return verdict
-    return None
+    parts = (Part("your probability", of_share, hint=hint), Part("your matrix", of_pairs, hint=hint))
+    praise = "two numbers that no single answer has: how many, and which pairs, with what probability"
+    return check_function(summarise, truth, parts, trials, edges, praise)
 
 
 def check_merge_acceptance(merge_acceptance: Callable) -> Verdict:
@@ -180,8 +184,8 @@ def check_merge_acceptance(merge_acceptance: Callable) -> Verdict:
         log_ratio = posterior * (log_merged - log_apart) + way_back * log_shares(log_weights, sits).sum()
         return math.exp(min(log_ratio, 700.0))
 
-    def true_value(*trial):
-        return min(1.0, ratio(*trial))
+    def truth(log_apart, log_merged, log_weights, sits):
+        return min(1.0, ratio(log_apart, log_merged, log_weights, sits))
 
     def capped(*trial, **keys):
         return min(1.0, ratio(*trial, **keys))
@@ -203,15 +207,21 @@ def check_merge_acceptance(merge_acceptance: Callable) -> Verdict:
         "shares are multiplied (their logarithms added), not added": (
             lambda a, m, w, s: min(1.0, math.exp(m - a) * np.exp(log_shares(w, s)).sum())
         ),
-        "that is the logarithm; the probability is asked for": lambda *t: math.log(true_value(*t)),
+        "that is the logarithm; the probability is asked for": lambda *t: math.log(truth(*t)),
     }
-    rng = np.random.default_rng(7)
-    trials = []
+    rng, trials = fresh(), []
     for n in (1, 2, 3, 5, 2, 4):
         apart, weights, sits = rng.normal(-20, 3), rng.normal(0, 1.5, (n, 2)), rng.integers(0, 2, n)
         trials += [(apart, apart + gain, weights, sits) for gain in (-1.0, 0.7, 9.0)]
+    apart, merged, weights, sits = trials[6]
+    edges = {
+        "with two sightings alone in their objects": [(-20.0, -20.5, np.empty((0, 2)), np.empty(0, dtype=int))],
+        "with log weights of -900, which have no exponential": [(apart, merged, weights - 900.0, sits)],
+        "with a merger that is far better": [(-2000.0, -900.0, weights, sits)],
+        "with a merger that is far worse": [(-900.0, -2900.0, weights, sits)],
+    }
     praise = "with this number the merger and the split come in exactly as often as the posterior asks for"
-    return _judge("your number", merge_acceptance, trials, true_value, mistakes, praise)
+    return check_function(merge_acceptance, truth, Part("your number", mistakes), trials, edges, praise)
 
 
 def _some_log_p(rng: np.random.Generator) -> Callable:
@@ -231,13 +241,3 @@ def _some_log_p(rng: np.random.Generator) -> Callable:
 def _softmax(log_weights: np.ndarray) -> np.ndarray:
     weights = np.exp(log_weights - log_weights.max())
     return weights / weights.sum()
-
-
-def _judge(name: str, function: Callable, trials: list, truth: Callable, mistakes: dict, praise: str) -> Verdict:
-    def for_example(answers, expected):
-        pairs = zip(answers, expected, trials, strict=True)
-        off = next(trial for a, e, trial in pairs if np.shape(a) != np.shape(e) or not np.allclose(a, e))
-        shown = [np.array2string(np.round(np.array(x), 2), separator=", ") for x in off if not callable(x)]
-        return f"{name} is off, for example for {', '.join(shown).replace(chr(10), '')}"
-
-    return judge_function(name, function, trials, truth, mistakes, praise, for_example)

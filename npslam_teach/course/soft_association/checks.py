@@ -1,0 +1,174 @@
+"""Checks of lesson 13: marginals over matchings, Bayes' rule for reports, class and position together, the M-step."""
+
+import itertools
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from npslam_teach.course.checking import Verdict, judge_function
+
+
+def check_pair_probabilities(pair_probabilities: Callable) -> Verdict:
+    """Exercise 1: ``pair_probabilities(weights)``, (m, K) to (m, K)."""
+
+    def variant(weights, exclusive=True, none=1.0, best=False):
+        count, total, pairs = weights.shape[1], 0.0, np.zeros(weights.shape)
+        padded = np.column_stack([weights, np.full(len(weights), none)])
+        largest = -1.0
+        for chosen in itertools.product(range(count + 1), repeat=len(weights)):
+            used = [j for j in chosen if j < count]
+            product = padded[range(len(weights)), chosen].prod()
+            if exclusive and len(set(used)) < len(used):
+                continue
+            if best:
+                if product > largest:
+                    largest, total, pairs = product, 1.0, np.zeros(weights.shape)
+                    pairs[[k for k, j in enumerate(chosen) if j < count], used] = 1.0
+                continue
+            total += product
+            for k, j in enumerate(chosen):
+                if j < count:
+                    pairs[k, j] += product
+        return pairs / total if total else pairs
+
+    mistakes = {
+        "two observations may share an object here: leave out matchings that take one twice": partial(
+            variant, exclusive=False
+        ),
+        "an observation may be of no object: the matchings with none, of weight 1, are missing": partial(
+            variant, none=0.0
+        ),
+        "this is the best matching alone: add up the weights of all": partial(variant, best=True),
+        "these are sums of weights: divide by the weight of all matchings": lambda w: variant(w) * _total(w),
+        "the weights themselves are no probabilities": lambda w: w,
+        "each row is divided by its own sum: the other observations do not count": lambda w: (
+            w / w.sum(axis=1, keepdims=True)
+        ),
+        "rows and columns are exchanged: one row for each observation": lambda w: variant(w).T,
+    }
+    rng = np.random.default_rng()
+    trials = [(np.exp(rng.normal(size=shape)),) for shape in ((1, 1), (2, 1), (1, 2), (2, 2), (3, 2), (2, 3), (3, 3))]
+    praise = "no object is taken twice, and what one observation is says something about the others"
+    return _judge("your table", pair_probabilities, trials, variant, mistakes, praise)
+
+
+def _total(weights: np.ndarray) -> float:
+    """The weight of all one-to-one matchings."""
+    if len(weights) == 0:
+        return 1.0
+    rest = _total(weights[1:])
+    for j in range(weights.shape[1]):
+        without = weights[1:].copy()
+        without[:, j] = 0.0
+        rest += weights[0, j] * _total(without)
+    return rest
+
+
+def check_true_class(true_class: Callable) -> Verdict:
+    """Exercise 2: ``true_class(reports, confusion)``, the posterior (C,) of an object's class."""
+
+    def variant(reports, confusion, transposed=False, power=1, mean=False, normal=True):
+        table = confusion.T if transposed else confusion
+        rows = table.T[reports]
+        product = rows.mean(axis=0) if mean else (rows**power).prod(axis=0)
+        return product / product.sum() if normal else product
+
+    mistakes = {
+        "rows and columns of the confusion matrix are exchanged: row c is of the true class c": partial(
+            variant, transposed=True
+        ),
+        "independent reports multiply, they do not average": partial(variant, mean=True),
+        "divide by the sum, so that the probabilities sum to one": partial(variant, normal=False),
+        "these are shares of votes: what a report says of other classes is left out": lambda r, c: (
+            np.bincount(r, minlength=len(c)) / max(len(r), 1)
+        ),
+        "only the last report counts here": lambda r, c: variant(r[-1:], c),
+        "only the first report counts here": lambda r, c: variant(r[:1], c),
+        "every kind of report counts once here, however often it came": lambda r, c: variant(np.unique(r), c),
+    }
+    rng, trials = np.random.default_rng(), []
+    for size, count in ((2, 1), (2, 5), (3, 4), (4, 7), (5, 9), (5, 12)):
+        confusion = 0.5 * np.eye(size) + 0.5 * rng.dirichlet(np.ones(size), size)
+        trials.append((rng.integers(0, size, count), confusion))
+    trials.append((np.array([0, 0, 1]), np.array([[0.9, 0.1], [0.4, 0.6]])))
+    praise = "every report speaks for all classes, for each as much as it is likely to be its report"
+    return _judge("your probabilities", true_class, trials, variant, mistakes, praise)
+
+
+def check_class_distance(class_distance: Callable) -> Verdict:
+    """Exercise 3: ``class_distance(belief, likelihood)``, what the classes add to the squared distance."""
+
+    def variant(belief, likelihood, factor=-2.0, against="mean", log=np.log):
+        agreement = belief @ likelihood
+        by = {"mean": likelihood.mean(), "max": likelihood.max(), "sum": likelihood.sum(), "nothing": 1.0}[against]
+        return factor * log(agreement / by)
+
+    mistakes = {
+        "the sign is wrong: what agrees well is near": partial(variant, factor=2.0),
+        "the 2 is missing: a squared distance is -2 log of a density": partial(variant, factor=-1.0),
+        "the likelihood must be compared with that of nothing, its mean over the classes": partial(
+            variant, against="nothing"
+        ),
+        "this compares with the best class: compare with the mean over all": partial(variant, against="max"),
+        "this compares with the sum over the classes: compare with the mean": partial(variant, against="sum"),
+        "this is log to the base 10": partial(variant, log=np.log10),
+        "this is the ratio itself: take -2 log of it": lambda b, v: b @ v / v.mean(),
+        "only the most probable class of the object counts here": lambda b, v: -2 * np.log(v[b.argmax()] / v.mean()),
+    }
+    rng = np.random.default_rng()
+    trials = [(rng.dirichlet(np.ones(c)), rng.dirichlet(np.ones(c)) * rng.uniform(0.2, 3)) for c in (2, 3, 4, 5, 5)]
+    praise = "negative where the classes agree better than chance, positive where they agree worse"
+    return _judge("your distance", class_distance, trials, variant, mistakes, praise)
+
+
+def check_m_step(m_step: Callable) -> Verdict:
+    """Exercise 4: ``m_step(seen, weights, information)``, the best places (K, 2) of the objects."""
+
+    def variant(seen, weights, information, power=1, alike=False, metric=None):
+        information = np.broadcast_to(np.eye(2), information.shape) if alike else information
+        if metric is not None:
+            information = metric(information)
+        strength = (weights**power).T[:, :, None, None] * information  # (K, M, 2, 2)
+        return np.linalg.solve(strength.sum(axis=1), (strength @ seen[:, :, None]).sum(axis=1))[..., 0]
+
+    def diagonal(information):
+        return information * np.eye(2)
+
+    mistakes = {
+        "the information matrices are not used: this is the weighted mean of equal observations": partial(
+            variant, alike=True
+        ),
+        "these are covariances to you: an observation of much information counts more, not less": partial(
+            variant, metric=np.linalg.inv
+        ),
+        "only the diagonals of the information matrices are used": partial(variant, metric=diagonal),
+        "the weights are squared": partial(variant, power=2),
+        "every observation counts alike for every object here: the weights are not used": partial(variant, power=0),
+        "the sum is not solved for the place: divide by the sum of the weighted information, as a matrix": (
+            lambda x, w, info: np.einsum("mk,mij,mj->ki", w, info, x)
+        ),
+        "each object stands on its most probable observation": lambda x, w, info: x[w.argmax(axis=0)],
+        "this is the mean weighted by probability times information entry by entry: matrices do not divide so": (
+            lambda x, w, info: np.einsum("mk,mij,mj->ki", w, info, x) / np.einsum("mk,mij->ki", w, info)
+        ),
+    }
+    rng, trials = np.random.default_rng(), []
+    for m, k in ((1, 1), (3, 2), (4, 3), (8, 2), (20, 5)):
+        root = rng.normal(size=(m, 2, 2))
+        trials.append((rng.normal(size=(m, 2)), rng.uniform(0.01, 1, (m, k)), root @ root.swapaxes(1, 2) + np.eye(2)))
+    praise = "the minimum of a sum of squares, each as strong as its pair is probable"
+    return _judge("your places", m_step, trials, variant, mistakes, praise)
+
+
+def _judge(name: str, function: Callable, trials: list, truth: Callable, mistakes: dict, praise: str) -> Verdict:
+    def for_example(answers, expected):
+        first = next(k for k, (a, e) in enumerate(zip(answers, expected, strict=True)) if not np.allclose(a, e))
+        shown = (
+            np.array2string(np.round(each, 3), separator=", ").replace("\n", "")
+            for each in (np.asarray(expected[first]), np.asarray(answers[first]))
+        )
+        right, yours = shown
+        return f"{name} is off: once it should have been {right}, and it was {yours}"
+
+    return judge_function(name, function, trials, truth, mistakes, praise, for_example)

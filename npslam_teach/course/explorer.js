@@ -206,10 +206,13 @@ function sceneOf(figure, model, ask, rows) {
       takeAsDrawn();
       held = { element, control, value: values[control.name] };
     });
+    // A finger on a handle drags it and does not scroll the page.
+    element.addEventListener("touchstart", (event) => event.preventDefault(), { passive: false });
     element.addEventListener("pointermove", (event) => { if (held?.element === element) pointer(event); });
     for (const end of ["pointerup", "pointercancel"]) {
-      element.addEventListener(end, () => {
+      element.addEventListener(end, (event) => {
         if (held?.element !== element) return;
+        if (end === "pointerup") pointer(event); // a quick finger's last move comes with its end
         held = null;
         player?.play();
       });

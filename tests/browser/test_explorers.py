@@ -206,7 +206,7 @@ def test_frames_follow_mouse_touch_and_keys_without_a_kernel(still, chromium, wi
     context = new_context(chromium, viewport={"width": width, "height": 900}, reduced_motion="reduce", has_touch=True)
     page = context.new_page()
     failures = []
-    page.on("pageerror", failures.append)
+    page.on("pageerror", lambda error: failures.append(str(error)))
     page.goto(address)
     alpha, kernel = (page.locator(f"[data-control={name}]") for name in ("alpha", "kernel_std"))
     alpha.press("End")

@@ -45,7 +45,7 @@ def explore_office(snapshots: dict[str, Snapshot], log: RobotLog, truth: GroundT
     update = _Update(ax, left, right, snapshots, log, truth)
     methods = choice("method", {name: name for name in snapshots})
     epsilon = slider("epsilon", 0.1, 0.02, 0.5, 0.01)
-    frames = {"method": methods.grid(), "epsilon": (0.02, 0.05, 0.1, 0.2, 0.5)}
+    frames = {"method": methods.grid(), "epsilon": (0.05, 0.1, 0.5)}
     return Explorer(figure, update, frames, method=methods, epsilon=epsilon)
 
 

@@ -78,8 +78,7 @@ def explore_gauss_newton(starts: dict[str, PoseGraph], true_xy: np.ndarray | Non
     last = max(len(run) for run in runs.values()) - 1
     names = choice("start", {name: name for name in runs})
     iterations = player("iteration", last)
-    frames = {"start": names.grid(), "iteration": iterations.grid()}
-    return Explorer(figure, update, frames, start=names, iteration=iterations)
+    return Explorer(figure, update, {"iteration": iterations.grid()}, start=names, iteration=iterations)
 
 
 def words(run: list[Iteration], iteration: int) -> str:

@@ -27,6 +27,7 @@ from npslam_teach.plotting.style import (
 from npslam_teach.types import GroundTruth
 
 ROWS = 8
+FRAMES = 10  # of an annealing, where no kernel runs
 
 
 class ExactPosterior:
@@ -76,7 +77,7 @@ def explore_posterior(exact: ExactPosterior, true_labels: np.ndarray) -> Explore
 
     log_alpha = slider("log10 of alpha", 0.0, -3.0, 3.0, 0.1)
     temperature = slider("temperature", 1.0, 0.1, 8.0, 0.1)
-    frames = {"log_alpha": (-3, -2, -1, 0, 1, 2, 3), "temperature": (0.1, 0.5, 1, 4)}
+    frames = {"log_alpha": (-3, -1, 0, 1, 3), "temperature": (0.1, 1, 4)}
     return Explorer(figure, update, frames, log_alpha=log_alpha, temperature=temperature)
 
 
@@ -195,7 +196,7 @@ def explore_annealing(film: AnnealingFilm) -> Explorer:
         return annealing_words(film, state)
 
     states = player("state", len(film.states) - 1)
-    return Explorer(figure, update, {"state": states.grid()}, state=states)
+    return Explorer(figure, update, {"state": states.grid()[:: 1 + len(film.states) // FRAMES]}, state=states)
 
 
 def annealing_words(film: AnnealingFilm, number: int) -> str:

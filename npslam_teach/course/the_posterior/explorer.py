@@ -27,7 +27,7 @@ from npslam_teach.plotting.style import (
 from npslam_teach.types import GroundTruth
 
 ROWS = 8
-FRAMES = 10  # of an annealing, where no kernel runs
+FRAMES = 6  # of an annealing, where no kernel runs
 
 
 class ExactPosterior:
@@ -77,7 +77,7 @@ def explore_posterior(exact: ExactPosterior, true_labels: np.ndarray) -> Explore
 
     log_alpha = slider("log10 of alpha", 0.0, -3.0, 3.0, 0.1)
     temperature = slider("temperature", 1.0, 0.1, 8.0, 0.1)
-    frames = {"log_alpha": (-3, -1, 0, 1, 3), "temperature": (0.1, 1, 4)}
+    frames = {"log_alpha": (-3, 0, 3), "temperature": (0.1, 1, 4)}
     return Explorer(figure, update, frames, log_alpha=log_alpha, temperature=temperature)
 
 

@@ -91,3 +91,9 @@ def _has_negative_direction(matrices: np.ndarray, margin: np.ndarray) -> np.ndar
     except np.linalg.LinAlgError:
         return np.linalg.eigvalsh(matrices)[:, 0] < -margin
     return np.zeros(len(matrices), dtype=bool)
+
+
+def require_distributions(name: str, rows: np.ndarray) -> None:
+    """Raise ``ValueError`` unless every row (C,) holds probabilities that sum to one, but for a file's rounding."""
+    if (rows < 0).any() or not np.allclose(rows.sum(axis=-1), 1.0, atol=1e-3):
+        raise ValueError(f"{name}: expected rows of probabilities that sum to one")

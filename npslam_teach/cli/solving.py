@@ -2,6 +2,7 @@
 
 import math
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -121,10 +122,8 @@ def remarks(options, log: RobotLog, settings: dict, found: experiments.Run, fits
     if options.method == "posterior" and searches_of(found) == starts:
         text = f"all {starts} searches were needed, and the best partition may not have been found twice; see --starts"
         warnings.warn(text, stacklevel=2)
-    carried = [name for name in ("odometry_cov", "observation_cov") if getattr(log, name) is not None]
-    if carried and METHODS[options.method].settings["odometry_std"] is not None:
-        text = f"{options.method} assumes one noise for all: {' and '.join(carried)} of the log have no effect"
-        warnings.warn(text, stacklevel=2)
+    for text in _without_effect(options.method, log):
+        warnings.warn(f"{text} of the log have no effect", stacklevel=2)
     ratio, margin = fits["chi2_per_dof"], 3 * math.sqrt(2 / max(fits["dof"], 1))
     if options.method in MINDS_THE_NOISE and not (min(0.5, 1 - margin) <= ratio <= max(2.0, 1 + margin)):
         text = f"chi2 per degree of freedom is {ratio:.3g}: the noise in the log is wrong, or who is who; see"
@@ -135,6 +134,15 @@ def remarks(options, log: RobotLog, settings: dict, found: experiments.Run, fits
         warnings.warn(f"{text}; nothing can be merged", stacklevel=2)
     if options.method != "frame-by-frame" and last.num_objects == log.num_observations > 1:
         warnings.warn("nothing was merged: every observation is an object of its own", stacklevel=2)
+
+
+def _without_effect(method: str, log: RobotLog) -> Iterator[str]:
+    """What a log carries and a method does not look at, and what it assumes instead."""
+    carried = [name for name in ("odometry_cov", "observation_cov") if getattr(log, name) is not None]
+    if carried and METHODS[method].settings["odometry_std"] is not None:
+        yield f"{method} assumes one noise for all: {' and '.join(carried)}"
+    if log.class_probabilities is not None and not METHODS[method].sees_classes:
+        yield f"{method} takes the most likely class for certain: class_probabilities"
 
 
 def searches_of(found: experiments.Run) -> int:

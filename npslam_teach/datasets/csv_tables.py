@@ -31,6 +31,15 @@ class Row(NamedTuple):
         """One for each column."""
         return [self.number(column) for column in columns]
 
+    def split_numbers(self, column: str, count: int) -> list[float]:
+        """So many numbers in one column, with spaces between."""
+        text = self.text.get(column, "")
+        parts = [Row(self.where, {column: part}).number(column) for part in text.split()]
+        if len(parts) != count:
+            problem = f"expected {count} numbers with spaces between, got {shorten(text)}"
+            raise ValueError(f"{self.where}: {column}: {problem}")
+        return parts
+
     def known(self, *columns: str) -> list[float]:
         """The same, NaN where nothing is written."""
         return [self.number(column) if self.text.get(column) else math.nan for column in columns]

@@ -11,9 +11,9 @@ from npslam_teach.validation import checked_array
 
 LOG_FIELDS = ("odometry", "obs_time", "obs_xy", "obs_class", "num_classes", "odometry_std", "observation_std")
 TRUTH_FIELDS = ("true_poses", "true_object", "object_xy", "object_class")
-COVARIANCE_FIELDS = ("odometry_cov", "observation_cov")
+OPTIONAL_FIELDS = ("odometry_cov", "observation_cov", "class_probabilities")
 NAMES_FIELD = "class_names"
-FIELDS = (*LOG_FIELDS, *COVARIANCE_FIELDS, *TRUTH_FIELDS, NAMES_FIELD)
+FIELDS = (*LOG_FIELDS, *OPTIONAL_FIELDS, *TRUTH_FIELDS, NAMES_FIELD)
 
 
 def run_from(fields: dict) -> tuple[RobotLog, GroundTruth | None]:
@@ -28,7 +28,7 @@ def run_from(fields: dict) -> tuple[RobotLog, GroundTruth | None]:
     num_classes = checked_array("num_classes", fields["num_classes"], ()).item()
     if num_classes > MAX_CLASSES:
         raise ValueError(f"num_classes: expected at most {MAX_CLASSES}, got {num_classes:g}")
-    used = {name: fields[name] for name in (*LOG_FIELDS, *COVARIANCE_FIELDS) if name in fields}
+    used = {name: fields[name] for name in (*LOG_FIELDS, *OPTIONAL_FIELDS) if name in fields}
     log = RobotLog(**used | {"num_classes": num_classes})
     log = replace(log, class_names=_class_names(fields, log.num_classes))
     return log, _truth_from(fields, log)
@@ -37,7 +37,7 @@ def run_from(fields: dict) -> tuple[RobotLog, GroundTruth | None]:
 def fields_of(log: RobotLog, truth: GroundTruth | None) -> dict:
     """The same as arrays by name; of the truth, only what is known."""
     fields = {name: np.asarray(getattr(log, name)) for name in LOG_FIELDS}
-    fields |= {name: getattr(log, name) for name in COVARIANCE_FIELDS if getattr(log, name) is not None}
+    fields |= {name: getattr(log, name) for name in OPTIONAL_FIELDS if getattr(log, name) is not None}
     names = log.class_names if truth is None else truth.world.class_names
     if names is not None:
         fields[NAMES_FIELD] = np.array(names, dtype=str)

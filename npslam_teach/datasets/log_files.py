@@ -24,7 +24,8 @@ def load_log(path) -> tuple[RobotLog, GroundTruth | None]:
     """Read what a robot recorded, and what really happened as far as the file knows.
 
     A ``.npz`` log holds the fields of `RobotLog` under their names, ``class_names`` and the covariances of single steps
-    (``odometry_cov``) and observations (``observation_cov``) if it likes, and of the truth whatever is known:
+    (``odometry_cov``) and observations (``observation_cov``) and what each observation says of all classes
+    (``class_probabilities``) if it likes, and of the truth whatever is known:
     ``true_poses`` (T, 3), or (T, 2) without headings, NaN where unknown; ``true_object`` (M,), -1 for clutter, -2 for
     unknown; ``object_xy`` (K, 2) and ``object_class`` (K,). Other entries are ignored. A ``.csv`` log holds the same in
     rows, see ``csv_files``; it is one file or a folder of them. A ``.mat`` file is one of the authors' two (see

@@ -300,6 +300,15 @@ def test_estimated_noise_beside_settings_that_ignore_it_is_refused(refused, log_
     assert "--estimate-noise: expected --settings sensor" in said
 
 
+def test_class_probabilities_without_effect_are_told(capsys, tmp_path):
+    log, _ = small_log()
+    path, even = tmp_path / "run.npz", np.full((log.num_observations, log.num_classes), 1 / log.num_classes)
+    datasets.save_log(path, replace(log, class_probabilities=even))
+    for method, registered in METHODS.items():
+        _, _, err = call(capsys, "solve", path, "--method", method)
+        assert ("class_probabilities of the log have no effect" in err) != registered.sees_classes
+
+
 def test_covariances_without_effect_are_told(capsys, tmp_path):
     log, _ = small_log()
     path, cov = tmp_path / "run.npz", np.tile(0.01 * np.eye(2), (log.num_observations, 1, 1))

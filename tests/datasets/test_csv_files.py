@@ -69,6 +69,28 @@ def test_a_covariance_that_is_none_or_is_not_whole_is_named(tmp_path):
         load(tmp_path, text.replace("cup,,1,0,1", "cup,,1,,1"))
 
 
+@pytest.mark.parametrize("suffix", [".csv", ".npz"])
+def test_class_probabilities_come_back(tmp_path, suffix):
+    log, truth = small_run(np.random.default_rng(0))
+    rows = np.random.default_rng(1).dirichlet(np.ones(log.num_classes), log.num_observations)
+    log = replace(log, class_probabilities=rows)
+    datasets.save_log(tmp_path / f"run{suffix}", log, truth)
+    np.testing.assert_array_equal(datasets.load_log(tmp_path / f"run{suffix}")[0].class_probabilities, rows)
+
+
+def test_class_probabilities_that_are_none_are_named(tmp_path):
+    head, *rows = SMALL.splitlines()
+    rows = [f"{row},{'' if 'observation,' not in row else '0.25 0.75'}" for row in rows]
+    text = "\n".join([f"{head},class_probabilities", *rows])
+    assert load(tmp_path, text)[0].class_probabilities.tolist() == [[0.25, 0.75]] * 3
+    with pytest.raises(ValueError, match="line 7: class_probabilities: expected 2 numbers with spaces between, got"):
+        load(tmp_path, text.replace("cup,,0.25 0.75", "cup,,0.25"))
+    with pytest.raises(ValueError, match="line 7: class_probabilities: expected a number.*'x'"):
+        load(tmp_path, text.replace("cup,,0.25 0.75", "cup,,0.25 x"))
+    with pytest.raises(ValueError, match="class_probabilities: expected rows of probabilities that sum to one"):
+        load(tmp_path, text.replace("cup,,0.25 0.75", "cup,,0.25 0.5"))
+
+
 def test_a_class_that_is_never_seen_comes_back(tmp_path):
     log, _ = small_run(np.random.default_rng(0))
     log = replace(log, num_classes=7)

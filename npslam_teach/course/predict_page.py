@@ -113,7 +113,8 @@ def _corners(box: tuple[float, ...], scale: float) -> str:
 
 
 def _points(pixels: np.ndarray) -> str:
-    return " ".join(f"{x:.1f},{y:.1f}" for x, y in pixels)
+    rounded = np.round(pixels, 1) + 0.0  # not -0.0
+    return " ".join(f"{x:.1f},{y:.1f}" for x, y in rounded)
 
 
 @cache

@@ -29,7 +29,12 @@ predict = questions(
         ["16; no", "15; hardly", "15; badly", "17; no"],
         right=1,
         mistake=("To expect harm from every wrong merger. Both chairs stay where they are, half a metre apart."),
-        alts=["Map of the room: two hollow true chairs right of the middle share one filled chair."],
+        alts=[
+            (
+                "Two maps of the room. Left, two hollow true chairs right of the middle share one filled chair; "
+                "right, where the second chair is missing, each hollow marker has its own filled one."
+            )
+        ],
     ),
     gap=choice(
         "At which gap do the two come apart?",
@@ -43,11 +48,12 @@ predict = questions(
             "To fear for the count. Every object is found once; but nothing is seen again, and so "
             "nothing straightens the path."
         ),
-        box=(0, -3, 36, 3),
+        box=(0, 0, 36, 9),
         alts=[
             (
-                "Map of a corridor of 36 m: each of 16 objects is found once, the estimated path is "
-                "an arch beside the straight true path."
+                "A corridor of 36 m. Above, each of 16 objects is found once, and the estimated path is an "
+                "arch beside the straight true path; in the middle, with a turn half-way, it lies on the "
+                "true one; below, the arch stretched sideways, higher in the middle than at both ends."
             )
         ],
     ),
@@ -58,8 +64,8 @@ predict = questions(
         mistake="To expect that all merge. What lands between the chairs stays in pieces.",
         alts=[
             (
-                "Map with chairs only: more filled circles than hollow ones, and an estimated path "
-                "that is off the true one by up to metres."
+                "Two maps. Left, chairs only: more filled circles than hollow ones, and an estimated path "
+                "that is off the true one by up to metres; right, five classes, and nearly all is in place."
             )
         ],
     ),
@@ -70,8 +76,8 @@ predict = questions(
         mistake="To expect an average. Each visit finds it somewhere else and opens a new object.",
         alts=[
             (
-                "Map of the room: filled squares in a row down the middle, where one screen was "
-                "wheeled, and a path pulled off the true one beside them."
+                "Two maps. Left, filled squares in a row down the middle, where one screen was "
+                "wheeled, and a path pulled off the true one beside them; right, nothing moves, and each is found once."
             )
         ],
     ),
@@ -80,7 +86,12 @@ predict = questions(
         ["yes", "no, a draw stays"],
         right=1,
         mistake=("To take the false-positive vote for a detector of ghosts. One vote for and one against is a draw."),
-        alts=[("Map of the room: 15 objects where they are, and dozens of small pale markers all over it.")],
+        alts=[
+            (
+                "Two maps. Left, 15 objects where they are, and dozens of small pale markers all over the room; "
+                "right, the 15 alone."
+            )
+        ],
     ),
     alarms=choice(
         "Which gives itself away by nothing at all?",

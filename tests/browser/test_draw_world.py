@@ -76,7 +76,7 @@ class Room:
         """Save with the button, and read the file with the library."""
         self.root.get_by_role("textbox", name="File").fill(name)
         self.root.get_by_role("button", name="Save").click()
-        self.root.locator(".note", has_text=f"solve {name}").wait_for()
+        self.root.locator(".note", has_text=f"/{name}").wait_for()
         return datasets.load_log(self.folder / name)
 
     def assert_right(self, name: str) -> messages.SolvedWorld:

@@ -80,7 +80,7 @@
     // JupyterLab hears of a key before the question does: without this, letters typed here would be commands to it.
     window.addEventListener("keydown", ({ target, ctrlKey, altKey, metaKey, shiftKey }) => {
       if (!root.contains(target)) return;
-      root.toggleAttribute("data-lm-suppress-shortcuts", !(ctrlKey || altKey || metaKey || shiftKey));
+      target.toggleAttribute("data-lm-suppress-shortcuts", !(ctrlKey || altKey || metaKey || shiftKey));
     }, true);
     show(store.read(key(root)));
   };

@@ -211,8 +211,10 @@ def test_wheels_contain_the_page():
     patterns = project["tool"]["setuptools"]["package-data"]
     for path in PACKAGE.rglob("*"):
         if path.is_file() and path.suffix not in (".py", ".pyc"):
-            package = ".".join(("npslam_teach", *path.relative_to(PACKAGE).parent.parts))
-            assert any(path.match(pattern) for pattern in patterns.get(package, [])), path
+            folder = next(each for each in path.parents if (each / "__init__.py").exists())
+            package = ".".join(("npslam_teach", *folder.relative_to(PACKAGE).parts))
+            inside = path.relative_to(folder)
+            assert any(inside.match(pattern) for pattern in patterns.get(package, [])), path
 
 
 def test_presets_can_be_driven(world):

@@ -8,7 +8,8 @@ import numpy as np
 
 from npslam_teach import association, se2, simulate
 from npslam_teach.course.checking import Verdict, as_array, wrong
-from npslam_teach.course.trials import Part, check_function, exactly, fresh, grouped_alike
+from npslam_teach.course.comparing import exactly, grouped_alike
+from npslam_teach.course.trials import Part, check_function, fresh
 from npslam_teach.methods.snapshots import PAPER_ODOMETRY_STD, initial_snapshot
 from npslam_teach.pose_graph import chi2, optimize, with_associations
 from npslam_teach.types import PoseGraph, RobotLog
@@ -46,6 +47,13 @@ def check_objective(student: Callable) -> Verdict:
         ),
         "the sign is turned round: the objective is minus the log probability": lambda *t: -truth(*t),
     }
+    hint = "the number differs from minus the log probability; check the three terms one at a time"
+    praise = "this is the number that falls, whichever half-step is taken"
+    return check_function(student, truth, Part("the objective", mistakes, hint=hint), *_objective_inputs(), praise)
+
+
+def _objective_inputs() -> tuple[list, dict]:
+    """Arguments of ``check_objective``: its trials, and its edges by the situation."""
     rng, trials = fresh(), []
     for rows, columns in ((4, 4), (3, 5), (6, 3), (2, 4), (4, 4)):
         votes = rng.integers(0, 6, (rows, columns)).astype(float)
@@ -58,9 +66,7 @@ def check_objective(student: Callable) -> Verdict:
         "with one object, seen once": [(2.0, np.array([[1.0, 1.0, 0.0]]), 0.5, 20.0)],
         "with hundreds of votes or more, where (m - 1)! is too large a number": [(9.0, many, 0.5, 20.0)],
     }
-    hint = "the number differs from minus the log probability; check the three terms one at a time"
-    praise = "this is the number that falls, whichever half-step is taken"
-    return check_function(student, truth, Part("the objective", mistakes, hint=hint), trials, edges, praise)
+    return trials, edges
 
 
 def check_votes_of_others(student: Callable) -> Verdict:

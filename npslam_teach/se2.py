@@ -29,7 +29,10 @@ def rotate(theta: np.ndarray, xy: np.ndarray) -> np.ndarray:
     xy = np.asarray(xy, dtype=float)
     cos, sin = np.cos(theta), np.sin(theta)
     x, y = xy[..., 0], xy[..., 1]
-    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+    turned_x = np.asarray(cos * x - sin * y)
+    turned = np.empty((*turned_x.shape, 2))
+    turned[..., 0], turned[..., 1] = turned_x, sin * x + cos * y
+    return turned
 
 
 def compose(pose_ab: np.ndarray, pose_bc: np.ndarray) -> np.ndarray:

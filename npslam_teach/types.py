@@ -11,6 +11,7 @@ import numpy as np
 from npslam_teach.validation import (
     checked_array,
     require_definite,
+    require_distributions,
     require_positive,
     require_range,
     require_semidefinite,
@@ -65,13 +66,8 @@ class SensorModel:
         if not 0 <= self.detection_probability <= 1:
             raise ValueError(f"detection_probability: expected a number in [0, 1], got {self.detection_probability}")
         if self.class_confusion is not None:
-            self._check_confusion()
-
-    def _check_confusion(self):
-        num_classes = len(self.class_confusion)
-        _set(self, "class_confusion", (num_classes, num_classes))
-        if (self.class_confusion < 0).any() or not np.allclose(self.class_confusion.sum(axis=1), 1.0):
-            raise ValueError("class_confusion: expected rows of probabilities that sum to one")
+            _set(self, "class_confusion", (len(self.class_confusion), len(self.class_confusion)))
+            require_distributions("class_confusion", self.class_confusion)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +87,7 @@ class RobotLog:
     class_names: tuple | None = None  # num_classes names, for people only
     odometry_cov: np.ndarray | None = None  # (T-1, 3, 3) m, m, rad: of each step, in the order of its numbers
     observation_cov: np.ndarray | None = None  # (M, 2, 2) m^2: of each observation, in R_t
+    class_probabilities: np.ndarray | None = None  # (M, C) what each observation says of its class, all alike before
 
     def __post_init__(self):
         _set(self, "odometry", (None, 3))
@@ -110,6 +107,9 @@ class RobotLog:
             if getattr(self, name) is not None:
                 _set(self, name, (count, size, size))
                 require_definite(name, getattr(self, name))
+        if self.class_probabilities is not None:
+            _set(self, "class_probabilities", (self.num_observations, self.num_classes))
+            require_distributions("class_probabilities", self.class_probabilities)
         if self.class_names is not None and len(self.class_names) != self.num_classes:
             raise ValueError(f"class_names: expected {self.num_classes} names, got {len(self.class_names)}")
 

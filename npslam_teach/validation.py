@@ -20,7 +20,9 @@ def checked_array(name: str, value, shape: tuple, dtype=float, gaps: bool = Fals
     is_empty_list = array.size == 0 and array.dtype == float
     if array.dtype.kind not in kinds and not is_empty_list:
         wanted = "real numbers" if dtype is float else "integers"
-        raise ValueError(f"{name}: expected {wanted}, got dtype {array.dtype}")
+        are_whole = array.dtype.kind == "f" and (array == np.floor(array)).all()
+        hint = "; all are whole, so .astype(int) will do" if are_whole else ""
+        raise ValueError(f"{name}: expected {wanted}, got dtype {array.dtype}{hint}")
     if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
         wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
         raise ValueError(f"{name}: expected shape {wanted}, got {array.shape}")
@@ -74,20 +76,27 @@ def require_definite(name: str, covariance: np.ndarray) -> None:
 
 def require_semidefinite(name: str, information: np.ndarray) -> None:
     """Raise ``ValueError`` unless every matrix is symmetric and positive semidefinite."""
-    if information.size == 0:
+    if information.size == 0 or _are_definite(information):
         return
     scale = np.abs(information).max(axis=(1, 2))
     asymmetry = np.abs(information - information.swapaxes(1, 2)).max(axis=(1, 2))
-    bad = np.flatnonzero((asymmetry > 1e-9 * scale) | _has_negative_direction(information, 1e-9 * scale))
+    bad = np.flatnonzero((asymmetry > 1e-9 * scale) | (np.linalg.eigvalsh(information)[:, 0] < -1e-9 * scale))
     if bad.size:
         raise ValueError(f"{name}: expected symmetric positive semidefinite matrices, entry {bad[0]} is not")
 
 
-def _has_negative_direction(matrices: np.ndarray, margin: np.ndarray) -> np.ndarray:
-    """Which of (E, d, d) symmetric matrices have an eigenvalue below minus the margin (E,)."""
+def _are_definite(matrices: np.ndarray) -> bool:
+    """Whether all matrices are symmetric and definite, as nearly always: much faster than looking at eigenvalues."""
+    if not (matrices == matrices.swapaxes(1, 2)).all():
+        return False
     try:
-        # Where all matrices are definite, as nearly always, this is several times faster than their eigenvalues.
         np.linalg.cholesky(matrices)
     except np.linalg.LinAlgError:
-        return np.linalg.eigvalsh(matrices)[:, 0] < -margin
-    return np.zeros(len(matrices), dtype=bool)
+        return False
+    return True
+
+
+def require_distributions(name: str, rows: np.ndarray) -> None:
+    """Raise ``ValueError`` unless every row (C,) holds probabilities that sum to one, but for a file's rounding."""
+    if (rows < 0).any() or not np.allclose(rows.sum(axis=-1), 1.0, atol=1e-3):
+        raise ValueError(f"{name}: expected rows of probabilities that sum to one")

@@ -7,9 +7,11 @@ samples from; ``split_merge`` has the moves that a single tracklet cannot make.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
+from npslam_teach.association.joint_gaussian import JointGaussian
 from npslam_teach.association.partition_posterior import (
     TrackletEvidence,
     joint_system,
@@ -19,10 +21,23 @@ from npslam_teach.association.partition_posterior import (
 from npslam_teach.association.partitions import in_order_of_sight
 
 
+class _Apart(NamedTuple):
+    """What would be if one tracklet stood alone: the joint Gaussian of the objects without it, and its own place."""
+
+    slot: int  # that it would have
+    change: float  # of the log posterior, by leaving
+    update: tuple | None  # of the joint Gaussian, by leaving; None where the tracklet is alone already
+    mean: np.ndarray  # (2S,) of the objects without it
+    blocks: np.ndarray  # (S, 2, 2) the covariance of each
+    own_mean: np.ndarray  # (2,) of the tracklet
+    own_cov: np.ndarray  # (2, 2)
+    column: np.ndarray  # (2S, 2) the covariance of all objects with it
+
+
 class GibbsSampler:
     """A partition that moves: one tracklet at a time, or two objects at once.
 
-    Every object has a slot; ``mean`` (2S,) and ``cov`` (2S, 2S) are of all objects jointly, zero in free slots.
+    Every object has a slot; ``joint`` is the Gaussian over the places of all of them.
     """
 
     def __init__(self, evidence: TrackletEvidence, labels: np.ndarray, rng: np.random.Generator):
@@ -39,13 +54,17 @@ class GibbsSampler:
     @property
     def positions(self) -> np.ndarray:
         """(N, 2) m, W: where the object of each tracklet stands."""
-        return self.mean.reshape(-1, 2)[self.slot]
+        return self.joint.mean.reshape(-1, 2)[self.slot]
 
     def sweep(self, temperature: float = 1.0) -> None:
         """Ask every tracklet once, in random order."""
         for tracklet in self.rng.permutation(len(self.slot)):
-            self.split_off(tracklet)
-            self.join(tracklet, *self.draw(*self.weights(tracklet), temperature))
+            apart = self._apart(tracklet)
+            slot, change = self.draw(*self._weights(tracklet, apart), temperature)
+            if slot == apart.slot:
+                self.split_off(tracklet, apart)
+            elif slot != self.slot[tracklet]:
+                self._move(tracklet, apart, slot, change)
         self.refresh()
 
     def refresh(self) -> None:
@@ -53,69 +72,86 @@ class GibbsSampler:
         self.slot = np.unique(self.slot, return_inverse=True)[1]
         self.members = [np.flatnonzero(self.slot == i).tolist() for i in range(self.slot.max(initial=-1) + 1)]
         precision, vector = joint_system(self.evidence, self.slot)
-        self.cov = np.linalg.inv(precision) if len(precision) else precision
-        self.mean = self.cov @ vector
-        self.log_posterior = log_evidence(self.evidence, precision, vector, self.mean, self.members)
+        cov = np.linalg.inv(precision) if len(precision) else precision
+        self.joint = JointGaussian(cov @ vector, cov)
+        self.log_posterior = log_evidence(self.evidence, precision, vector, self.joint.mean, self.members)
 
     def change_by(self, tracklet: int, slot: int) -> float:
         """How the log posterior changes when a lone tracklet joins an object; -inf for a rival."""
         if self.evidence.rivals[tracklet, self.members[slot]].any():
             return -math.inf
-        density = self._log_density(self.slot[tracklet], np.array([slot]))[0]
+        density = _log_density(self._apart(tracklet), np.array([slot]))[0]
         return float(density) + self.seating(self.members[slot], tracklet, +1)
 
     def saved(self) -> tuple:
         """A copy of all that moves, for ``restore``."""
-        return (
-            self.slot.copy(),
-            [list(each) for each in self.members],
-            self.cov.copy(),
-            self.mean.copy(),
-            self.log_posterior,
-        )
+        return self.slot.copy(), [list(each) for each in self.members], self.joint.copy(), self.log_posterior
 
     def restore(self, saved: tuple) -> None:
         """Go back to what was ``saved``; once only, for it will move on."""
-        self.slot, self.members, self.cov, self.mean, self.log_posterior = saved
+        self.slot, self.members, self.joint, self.log_posterior = saved
 
-    def split_off(self, tracklet: int) -> None:
-        """Take a tracklet out of its object, alone into a slot of its own.
+    def split_off(self, tracklet: int, apart: _Apart | None = None) -> None:
+        """Take a tracklet out of its object, alone into a slot of its own."""
+        apart = apart or self._apart(tracklet)
+        if apart.update is None:
+            return
+        if apart.slot == len(self.members):
+            count = max(len(self.members), 4)
+            self.members += [[] for _ in range(count)]
+            self.joint.change(*apart.update)
+            self.joint.make_room(count)
+            column = np.pad(apart.column, ((0, 2 * count), (0, 0)))
+        else:
+            self.joint.change(*apart.update)
+            column = apart.column
+        self.joint.put(apart.slot, apart.own_mean, apart.own_cov, column)
+        self.members[self.slot[tracklet]].remove(tracklet)
+        self.members[apart.slot] = [tracklet]
+        self.slot[tracklet] = apart.slot
+        self.log_posterior += apart.change
+
+    def _apart(self, tracklet: int) -> _Apart:
+        """Let a tracklet stand apart from its object by delta, which nothing else knows of.
 
         With ``l_t = l_i + delta`` the joint information of (l, delta) is [[J, V], [V^T, Lambda_tt]], V = A^T Lambda_t.
         """
-        slot = self.slot[tracklet]
+        slot, joint = self.slot[tracklet], self.joint
+        here, t = slice(2 * slot, 2 * slot + 2), slice(2 * tracklet, 2 * tracklet + 2)
+        column = joint.column(slot)
         if len(self.members[slot]) == 1:
-            return
-        delta, delta_cov, gain = self._let_go(tracklet)
-        free, here = self._free_slot(), slice(2 * slot, 2 * slot + 2)
-        there = slice(2 * free, 2 * free + 2)
-        with_delta = np.zeros((len(self.cov), 2))
-        with_delta[: len(gain)] = -gain
-        row = self.cov[:, here] + with_delta
-        self.cov[:, there], self.cov[there] = row, row.T
-        self.cov[there, there] = self.cov[here, here] + with_delta[here] + with_delta[here].T + delta_cov
-        self.mean[there] = self.mean[here] + delta
-        change = self.seating(self.members[slot], tracklet, -1) - float(log_normal(delta, delta_cov))
-        self.members[slot].remove(tracklet)
-        self.members[free] = [tracklet]
-        self.slot[tracklet] = free
-        self.log_posterior += change
-
-    def _let_go(self, tracklet: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Let a tracklet stand apart from its object by delta: its mean and covariance, and how the objects follow."""
-        t, v = slice(2 * tracklet, 2 * tracklet + 2), np.zeros((len(self.members), 4))
+            return _Apart(slot, 0.0, None, joint.mean, joint.own, joint.mean[here], joint.own[slot], column)
+        v = np.zeros((len(self.members), 4))
         np.add.at(v, self.slot, self._blocks[:, :, tracklet].reshape(-1, 4))
         v = v.reshape(-1, 2)
-        s_v = self.cov @ v
+        s_v = joint.times(v)
         delta_cov = np.linalg.inv(self.evidence.information[t, t] - v.T @ s_v)
-        delta = delta_cov @ (self.evidence.vector[t] - v.T @ self.mean)
-        gain = s_v @ delta_cov
-        self.cov += gain @ s_v.T
-        self.mean -= s_v @ delta
-        return delta, delta_cov, gain
+        delta = delta_cov @ (self.evidence.vector[t] - v.T @ joint.mean)
+        gain, step = s_v @ delta_cov, -(s_v @ delta)
+        blocks = joint.own + gain.reshape(-1, 2, 2) @ s_v.reshape(-1, 2, 2).swapaxes(1, 2)
+        own_cov = blocks[slot] - gain[here] - gain[here].T + delta_cov
+        column = column + gain @ s_v[here].T - gain
+        change = self.seating(self.members[slot], tracklet, -1) - float(log_normal(delta, delta_cov))
+        mean = joint.mean + step
+        return _Apart(self._free_slot(), change, (step, gain, s_v), mean, blocks, mean[here] + delta, own_cov, column)
+
+    def _move(self, tracklet: int, apart: _Apart, slot: int, change: float) -> None:
+        """Put a tracklet into another object: condition on ``l_i - l_t = 0``."""
+        if apart.update is None:
+            self.join(tracklet, slot, change)
+            return
+        self.joint.change(*apart.update)
+        there = slice(2 * slot, 2 * slot + 2)
+        difference = self.joint.column(slot) - apart.column
+        spread = difference[there] - apart.column[there].T + apart.own_cov
+        self._condition(difference, spread, self.joint.mean[there] - apart.own_mean)
+        self.members[self.slot[tracklet]].remove(tracklet)
+        self.members[slot] = sorted([*self.members[slot], tracklet])
+        self.slot[tracklet] = slot
+        self.log_posterior += apart.change + change
 
     def join(self, tracklet: int, slot: int, change: float) -> None:
-        """Put a tracklet that is alone into an object: condition on ``l_i - l_t = 0``. Its own slot: it stays alone."""
+        """Put a tracklet that is alone into an object. Its own slot: it stays alone."""
         own = self.slot[tracklet]
         if slot == own:
             return
@@ -123,18 +159,21 @@ class GibbsSampler:
         self.log_posterior += change
 
     def weights(self, tracklet: int) -> tuple[np.ndarray, np.ndarray]:
-        """Where a tracklet that is alone may go: slots, its own first; and how the log posterior changes there."""
-        own = self.slot[tracklet]
-        forbidden = np.zeros(len(self.members), dtype=bool)
-        forbidden[self.slot[self.evidence.rivals[tracklet]]] = True
-        forbidden[own] = True
-        open_slots = np.array([i for i, members in enumerate(self.members) if members and not forbidden[i]], dtype=int)
-        change = self._log_density(own, open_slots)
+        """Where a tracklet may go once it is alone: slots, its own first; and how the log posterior changes there."""
+        return self._weights(tracklet, self._apart(tracklet))
+
+    def _weights(self, tracklet: int, apart: _Apart) -> tuple[np.ndarray, np.ndarray]:
+        open_slots = np.zeros(max(len(self.members), apart.slot + 1), dtype=bool)
+        open_slots[self.slot] = True
+        open_slots[self.slot[self.evidence.rivals[tracklet]]] = False
+        open_slots[apart.slot] = False
+        open_slots = np.flatnonzero(open_slots)
+        change = _log_density(apart, open_slots)
         near = np.flatnonzero(change > change.max(initial=-math.inf) - 60.0)  # elsewhere it will never go
         for k in near.tolist():
-            change[k] += self.seating(self.members[open_slots[k]], tracklet, +1)
-        keep = open_slots[near]
-        return np.append(own, keep), np.append(0.0, change[near])
+            others = [each for each in self.members[open_slots[k]] if each != tracklet]
+            change[k] += self.seating(others, tracklet, +1)
+        return np.append(apart.slot, open_slots[near]), np.append(0.0, change[near])
 
     def draw(self, slots: np.ndarray, change: np.ndarray, temperature: float) -> tuple[int, float]:
         """One of the places, with probability in proportion to ``exp(change / temperature)``."""
@@ -144,25 +183,31 @@ class GibbsSampler:
         k = min(k, len(slots) - 1)
         return int(slots[k]), float(change[k])
 
+    def merger_change(self, gone: int, stays: int) -> float:
+        """How the log posterior changes when two objects become one; none of their tracklets may be rivals."""
+        first, second = self.members[gone], self.members[stays]
+        column, b = self.joint.column(gone), slice(2 * stays, 2 * stays + 2)
+        cov = self.joint.own[gone] + self.joint.own[stays] - column[b] - column[b].T
+        mean = self.joint.mean.reshape(-1, 2)
+        joint, *apart = (
+            log_prior(self.evidence.counts[each].tolist(), self.evidence)
+            for each in (sorted(first + second), first, second)
+        )
+        return float(log_normal(mean[stays] - mean[gone], cov)) + joint - sum(apart)
+
     def merge(self, gone: int, stays: int) -> None:
         """Put all of one object into another: condition on their difference being zero."""
         a, b = slice(2 * gone, 2 * gone + 2), slice(2 * stays, 2 * stays + 2)
-        difference = self.cov[:, b] - self.cov[:, a]
-        spread = np.linalg.inv(difference[b] - difference[a])
-        gain = difference @ spread
-        self.mean -= gain @ (self.mean[b] - self.mean[a])
-        self.cov -= gain @ difference.T
-        self.cov[a], self.cov[:, a], self.mean[a] = 0.0, 0.0, 0.0
+        difference = self.joint.column(stays) - self.joint.column(gone)
+        self._condition(difference, difference[b] - difference[a], self.joint.mean[b] - self.joint.mean[a])
         self.slot[self.members[gone]] = stays
         self.members[stays] = sorted(self.members[stays] + self.members[gone])
         self.members[gone] = []
 
-    def _log_density(self, own: int, slots: np.ndarray) -> np.ndarray:
-        """Log N(l_i - l_t; 0) for objects i (m,) and an object t."""
-        blocks, mean = self.cov.reshape(len(self.members), 2, -1, 2), self.mean.reshape(-1, 2)
-        cross = blocks[slots, :, own]
-        cov = blocks[slots, :, slots] + blocks[own, :, own] - cross - cross.swapaxes(1, 2)
-        return log_normal(mean[slots] - mean[own], cov)
+    def _condition(self, difference: np.ndarray, spread: np.ndarray, off: np.ndarray) -> None:
+        """Two places are one: their difference, of mean (2,) and covariance (2, 2), and (2S, 2) with all, is zero."""
+        gain = difference @ np.linalg.inv(spread)
+        self.joint.change(-(gain @ off), -gain, difference)
 
     def seating(self, members: list[int], tracklet: int, sign: int) -> float:
         """How the log prior changes when a tracklet comes to members (+1), or leaves them for itself (-1)."""
@@ -174,15 +219,15 @@ class GibbsSampler:
         return sign * (joint - apart)
 
     def _free_slot(self) -> int:
-        """An empty slot; where there is none, room for twice as many."""
-        for i, members in enumerate(self.members):
-            if not members:
-                return i
-        count = max(len(self.members), 4)
-        self.members += [[] for _ in range(count)]
-        self.mean = np.append(self.mean, np.zeros(2 * count))
-        self.cov = np.pad(self.cov, ((0, 2 * count), (0, 2 * count)))
-        return len(self.members) - count
+        """An empty slot; where there is none, the one after the last."""
+        return next((i for i, members in enumerate(self.members) if not members), len(self.members))
+
+
+def _log_density(apart: _Apart, slots: np.ndarray) -> np.ndarray:
+    """Log N(l_i - l_t; 0) for objects i (m,) and a tracklet that stands apart."""
+    cross = apart.column.reshape(-1, 2, 2)[slots]
+    cov = apart.blocks[slots] + apart.own_cov - cross - cross.swapaxes(1, 2)
+    return log_normal(apart.mean.reshape(-1, 2)[slots] - apart.own_mean, cov)
 
 
 def log_normal(difference: np.ndarray, cov: np.ndarray) -> np.ndarray:

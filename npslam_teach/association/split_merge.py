@@ -29,11 +29,15 @@ def split_or_merge(sampler: GibbsSampler, temperature: float = 1.0) -> bool:
     together = sampler.slot[anchors[0]] == sampler.slot[anchors[1]]
     if not together and sampler.evidence.rivals[np.ix_(both, both)].any():
         return False
+    others, log_chance = sampler.rng.permutation(sorted(set(both) - set(anchors.tolist()))), None
+    if not together:
+        log_chance = math.log(sampler.rng.random())
+        if log_chance >= sampler.merger_change(*sampler.slot[anchors]) / temperature + 1e-6:
+            return False  # the probability of the way back, at most 1, can only lower it
     before = sampler.saved()
-    others = sampler.rng.permutation(sorted(set(both) - set(anchors.tolist())))
     log_way_back = (_split if together else _merge)(sampler, anchors, others, temperature)
     log_ratio = (sampler.log_posterior - before[-1]) / temperature + log_way_back
-    if math.log(sampler.rng.random()) < log_ratio:
+    if (math.log(sampler.rng.random()) if log_chance is None else log_chance) < log_ratio:
         sampler.refresh()
         return True
     sampler.restore(before)
@@ -89,8 +93,8 @@ def displaced(sampler: GibbsSampler, share: float, spread: np.ndarray) -> np.nda
 
     A share of the tracklets is displaced: by an error of the pose or of the detector that lasts as long as they do,
     with a covariance far above that of single observations. An object joins the one for which this is most probable
-    and more so than that it is there. It does not pull on the map. The most probable joins come first, and they end
-    when that share of all observations, and three standard deviations more, is used up.
+    and more so than that it is there. It does not pull on the map. The most probable joins come first; one that would
+    displace more than that share of all observations, and three standard deviations more, is passed over.
 
     Args:
         sampler: with N tracklets; its partition stays.
@@ -106,12 +110,12 @@ def displaced(sampler: GibbsSampler, share: float, spread: np.ndarray) -> np.nda
     left = size.sum() * share + 3 * math.sqrt(size.sum() * share)
     while len(gain) and gain.max() > 0:
         guest, host = np.unravel_index(gain.argmax(), gain.shape)
+        gain[guest] = -np.inf
+        if size[guest] > left:
+            continue  # a smaller one may still be within the share
         left -= size[guest]
-        if left < 0:
-            break
         # Those that have joined it go along.
         labels[labels == labels[sampler.members[guest][0]]] = labels[sampler.members[host][0]]
-        gain[guest] = -np.inf
     return np.unique(labels, return_inverse=True)[1]
 
 
@@ -120,7 +124,7 @@ def _merger_changes(sampler: GibbsSampler, spread: np.ndarray | float = 0.0) -> 
     count = len(sampler.members)
     member_of = (sampler.slot[:, None] == np.arange(count)).astype(float)
     rivals = member_of.T @ sampler.evidence.rivals @ member_of > 0
-    blocks, mean = sampler.cov.reshape(count, 2, count, 2).swapaxes(1, 2), sampler.mean.reshape(-1, 2)
+    blocks, mean = sampler.joint.cov.reshape(count, 2, count, 2).swapaxes(1, 2), sampler.joint.mean.reshape(-1, 2)
     own = blocks[np.arange(count), np.arange(count)]
     cov = own[:, None] + own - blocks - blocks.swapaxes(2, 3) + spread
     cov[np.arange(count), np.arange(count)] = np.eye(2)

@@ -4,6 +4,7 @@ import os
 import sys
 from pathlib import Path
 
+from npslam_teach.cli.output_files import announce, folder_named
 from npslam_teach.system.interpreter import replace_process
 
 ROOT = Path(__file__).absolute().parent.parent.parent
@@ -75,6 +76,7 @@ def book(options) -> int:
     from npslam_teach.publishing import book as making
 
     _require_checkout(ROOT / "notebooks")
+    announce(options.out)
     making.write_book(ROOT / "notebooks", Path(options.out), options.browser)
     print(f"book: {options.out}")
     return 0
@@ -102,18 +104,10 @@ def assignment(options) -> int:
     lessons = list(dict.fromkeys(options.lessons))
     if not lessons:
         raise ValueError("LESSON: expected numbers of lessons, such as 04, or --course, got neither")
-    for path in making.write_assignments(ROOT / "notebooks", lessons, folder_named(options.out), options.student):
+    folder = folder_named(options.out, is_new=True)
+    for path in making.write_assignments(ROOT / "notebooks", lessons, folder, options.student):
         print(path)
     return 0
-
-
-def folder_named(name: str | None) -> Path | None:
-    """The folder to draw into; it is made only when there is something to draw."""
-    if name is None:
-        return None
-    if not name.strip() or (Path(name).exists() and not Path(name).is_dir()):
-        raise ValueError(f"expected the name of a folder to draw into, got {name!r}")
-    return Path(name)
 
 
 def _require_checkout(path: Path) -> None:

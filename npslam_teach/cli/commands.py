@@ -7,7 +7,8 @@ from functools import cache
 from pathlib import Path
 
 from npslam_teach.cli import reports
-from npslam_teach.cli.checkout import ROOT, folder_named
+from npslam_teach.cli.checkout import ROOT
+from npslam_teach.cli.output_files import announce, folder_named, require_names, writer
 
 SOLVE_FILES = (".json", ".g2o", ".tum", ".csv")
 
@@ -23,34 +24,33 @@ def fetch(options) -> int:
 
 def solve(options) -> int:
     """Run one method on a log and tell what it found."""
-    import numpy as np
-
-    from npslam_teach import datasets, simulate
+    from npslam_teach import datasets, evaluation
     from npslam_teach.cli import solve_report, solving
     from npslam_teach.system import files
 
     solving.require_options(options)
-    write, folder = _writer(options.out, SOLVE_FILES), folder_named(options.figures)
+    write, folder = writer(options.out, SOLVE_FILES), folder_named(options.figures)
     log, truth = datasets.load_log(options.log)
     with files.prefix_errors(options.log):
-        if options.noise != 0:
-            log = simulate.add_noise(log, options.noise, np.random.default_rng(options.seed))
-        log, estimated = solving.with_estimated_noise(options, log)
+        log, estimated = solving.with_estimated_noise(options, solving.with_added_noise(options, log))
         settings = solving.settings_of(options, log)
         run, restarts = solving.run(options, log, settings)
-        fits = solving.agreement(options, log, run)
-        result = solve_report.solve_result(run, truth) | fits | estimated | solving.sampled(options, log, settings, run)
-    used = {"name": solving.settings_name(options)} | settings
-    result |= {"settings": used, "settled": solving.settled(run, settings), "restarts": restarts}
+        refitted = evaluation.refit(run.snapshots[-1], log)  # once: the score needs it, and so do the metrics
+        fits = solving.agreement(options, run, refitted)
+        result = solve_report.solve_result(run, truth, refitted) | fits | estimated
+        result |= solving.sampled(options, log, settings, run)
+    result["settings"] = {"name": solving.settings_name(options)} | settings
+    result |= {"settled": solving.settled(run, settings), "restarts": restarts}
     solving.remarks(options, log, settings, run, fits)
     write(result, run.snapshots[-1].graph, run)
     _print(result if options.json else solve_report.solve_text(result, truth), options.json)
-    if folder is not None:
-        _draw_result(run, truth, folder)
+    _draw_result(run, truth, folder)
     return 0
 
 
-def _draw_result(run, truth, folder: Path) -> None:
+def _draw_result(run, truth, folder: Path | None) -> None:
+    if folder is None:
+        return
     from npslam_teach import plotting
 
     plotting.style.put_settings_aside()
@@ -65,6 +65,7 @@ def import_recording(options) -> int:
     from npslam_teach.cli.import_options import given_options
 
     given, truth, remarks = given_options(options), None, []
+    announce(options.out)
     if options.format == "mrclam":
         log, truth = datasets.load_mrclam(options.path, **given)
     elif options.format == "rosbag":
@@ -96,6 +97,8 @@ def reproduce(options) -> int:
     with nullcontext() if options.data is None else files.prefix_errors(options.data):
         result, first, runs = paper_simulation.run_all(scenes, methods, options.iterations, options.seeds)
     _print(result if options.json else reports.reproduce_text(result), options.json)
+    if options.table:
+        paper_simulation.write_runs(result["runs"], Path(options.table))
     if folder is not None:
         from npslam_teach.course.fifteen_objects import figures as drawing
 
@@ -109,7 +112,7 @@ def sweep(options) -> int:
     """Run methods over a grid of points; the table grows row by row, and a second call goes on."""
     from npslam_teach.cli.sweep_options import run_sweep
 
-    _writer([options.out], (".csv", ".parquet"))
+    require_names([options.out], (".csv", ".parquet"))  # what is there is continued, not replaced
     points, computed, failed = run_sweep(options)
     print(f"{options.out}: {points} runs, {computed} of them computed now" + (f", {failed} failed" if failed else ""))
     return 0
@@ -120,7 +123,7 @@ def optimize(options) -> int:
     from npslam_teach import datasets, pose_graph
     from npslam_teach.system import files, progress
 
-    write = _writer([options.out] if options.out is not None else [], (".g2o",))
+    write = writer([options.out] if options.out is not None else [], (".g2o",))
     graph = datasets.load_g2o(options.graph)
     _warm_up_solver()
     with files.prefix_errors(options.graph):
@@ -143,7 +146,7 @@ def figures(options) -> int:
         return _draw_sweep(options)
     from npslam_teach.course import all_figures
 
-    folder = folder_named(str(ROOT / "figures") if options.out is None else options.out)
+    folder = ROOT / "figures" if options.out is None else folder_named(options.out)
     folder.mkdir(parents=True, exist_ok=True)
     all_figures.draw_all(folder)
     print(f"figures: {folder}")
@@ -178,38 +181,6 @@ def _warm_up_solver() -> None:
     nothing = types.ObservationFactors([], [], np.zeros((0, 2)), np.zeros((0, 2, 2)))
     poses = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]
     pose_graph.certified_minimum(types.PoseGraph(poses, np.zeros((0, 2)), steps, nothing))
-
-
-def _writer(names: list[str], suffixes: tuple):
-    """A function that writes the result where ``--out`` says; a bad name is refused before any work is done."""
-    for out in names:
-        suffix = Path(out).suffix.lower()
-        if suffix not in suffixes:
-            raise ValueError(f"--out {out}: expected a name that ends in {' or '.join(suffixes)}, got {suffix!r}")
-        if not Path(out).absolute().parent.is_dir():
-            raise FileNotFoundError(f"--out {out}: expected a folder to write into, found none")
-
-    def write(result: dict, graph, run=None) -> None:
-        for out in names:
-            _write(out, result, graph, run)
-
-    return write
-
-
-def _write(out: str, result: dict, graph, run) -> None:
-    from npslam_teach import datasets
-    from npslam_teach.system import files
-
-    suffix = Path(out).suffix.lower()
-    if suffix == ".g2o":
-        datasets.save_g2o(out, graph)
-    elif suffix == ".tum":
-        datasets.save_tum(out, graph.poses)
-    elif suffix == ".csv":
-        datasets.save_objects(out, run.snapshots[-1], run.log)
-    else:
-        with files.atomic_write(out) as stream:
-            stream.write(json.dumps(reports.plain(result), allow_nan=False))
 
 
 def _print(result, as_json: bool) -> None:

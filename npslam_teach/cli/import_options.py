@@ -3,6 +3,7 @@
 import argparse
 
 from npslam_teach.cli.option_types import count, number, numbers
+from npslam_teach.cli.output_files import Once
 
 OPTIONS = {  # of the formats that have any, as their functions call them
     "mrclam": {"robot": "robot", "classes": "num_classes"},
@@ -40,7 +41,7 @@ def add_import_options(recording: argparse.ArgumentParser) -> None:
     recording.add_argument("format", choices=("mrclam", "victoria-park", "csv", "rosbag"), help=text)
     recording.add_argument("path", metavar="PATH", help="a folder or a file")
     text = "the log to write: .npz, or .csv; identities are hidden, and stand in its truth"
-    recording.add_argument("--out", metavar="LOG", required=True, help=text)
+    recording.add_argument("--out", action=Once, metavar="LOG", required=True, help=text)
     recording.add_argument("--robot", type=count, metavar="N", help="mrclam: which (default 1)")
     text = "mrclam: a landmark's class is its number modulo C (default 5); 1: all look alike"
     recording.add_argument("--classes", type=count, metavar="C", help=text)

@@ -3,6 +3,21 @@
 import argparse
 
 
+class Parser(argparse.ArgumentParser):
+    """A parser that says what is wrong in one line; ``--help`` has the rest."""
+
+    more_help = None  # a function that writes what stands below the options; called only when help is printed
+
+    def format_help(self) -> str:
+        """The usual help, and below it what is more."""
+        below = "" if self.more_help is None else f"\n{self.more_help()}\n"
+        return super().format_help() + below
+
+    def error(self, message: str):
+        """End with one sentence."""
+        self.exit(2, f"{self.prog}: {message}\n")
+
+
 def method(text: str) -> str:
     """The name of a method; names are read only when one is given, for other commands need no NumPy."""
     if text not in method_names():

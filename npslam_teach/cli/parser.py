@@ -11,23 +11,11 @@ import warnings
 
 from npslam_teach import __version__
 from npslam_teach.cli.import_options import add_import_options
-from npslam_teach.cli.option_types import count, index, method, method_names, methods, number, numbers, port
+from npslam_teach.cli.method_help import methods_text, names_text
+from npslam_teach.cli.option_types import Parser, count, index, method, methods, number, numbers, port
+from npslam_teach.cli.output_files import Once
 from npslam_teach.cli.sweep_options import add_sweep_options
 from npslam_teach.system.progress import progress_shown
-
-
-class _Parser(argparse.ArgumentParser):
-    """A parser that says what is wrong in one line; ``--help`` has the rest."""
-
-    names_of_methods = None  # of a command that has methods; asked for only when its help is printed
-
-    def format_help(self) -> str:
-        if self.names_of_methods is not None:
-            self.epilog = f"Methods: {', '.join(self.names_of_methods())}."
-        return super().format_help()
-
-    def error(self, message: str):
-        self.exit(2, f"{self.prog}: {message}\n")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -82,9 +70,9 @@ def _explain(program: str, command: str, error: Exception) -> int:
 
 def build_parser() -> argparse.ArgumentParser:
     """The parser of all commands; each sets ``command`` to the name of its function in ``commands`` or ``checkout``."""
-    parser = _Parser(prog="npslam_teach", description="Object SLAM with unknown data association, taught step by step.")
+    parser = Parser(prog="npslam_teach", description="Object SLAM with unknown data association, taught step by step.")
     parser.add_argument("--version", action="version", version=f"npslam_teach {__version__}")
-    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=_Parser)
+    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=Parser)
     _add_lab(subparsers)
     _add_fetch(subparsers)
     _add_test(subparsers)
@@ -142,13 +130,15 @@ def _add_reproduce(subparsers) -> None:
         metavar="N",
         help="alternations at most (default 8; the paper ran 5)",
     )
-    reproduce.add_argument("--figures", metavar="DIR", help="draw figures 14 to 17 of the first run into this folder")
+    text = "draw figures 14 to 17 of the first run into this folder"
+    reproduce.add_argument("--figures", action=Once, metavar="DIR", help=text)
+    reproduce.add_argument("--table", action=Once, metavar="FILE", help="write a row for each run and method (.csv)")
     _add_json(reproduce)
 
 
 def _add_sweep(subparsers) -> None:
     sweep = _add(subparsers, "sweep", "run methods over noise, settings and seeds, here or on a cluster")
-    sweep.names_of_methods = method_names
+    sweep.more_help = names_text
     add_sweep_options(sweep)
 
 
@@ -156,7 +146,7 @@ def _add_solve(subparsers) -> None:
     solve = _add(subparsers, "solve", "run one method on a robot log")
     text = "a .npz or .csv log, a folder of .csv files, or one of the authors' .mat files"
     solve.add_argument("log", metavar="LOG", help=text)
-    solve.names_of_methods = method_names
+    solve.more_help = methods_text
     solve.add_argument("--method", type=method, default="np-graph", metavar="NAME", help="see below; default np-graph")
     solve.add_argument("--alpha", type=number, metavar="A", help="concentration of the Dirichlet process (default 0.9)")
     solve.add_argument("--threshold", type=number, metavar="P", help="accept the best match above this probability")
@@ -172,7 +162,9 @@ def _add_solve(subparsers) -> None:
     solve.add_argument("--seed", type=index, default=0, metavar="K", help="of that noise (default 0)")
     text = "write the result as .json, its graph as .g2o, its path as .tum or its objects as .csv; may be repeated"
     solve.add_argument("--out", metavar="FILE", action="append", default=[], help=text)
-    solve.add_argument("--figures", metavar="DIR", help="draw the map of the result and of every iteration")
+    solve.add_argument(
+        "--figures", action=Once, metavar="DIR", help="draw the map of the result and of every iteration"
+    )
     _add_json(solve)
 
 
@@ -202,7 +194,9 @@ def _add_import(subparsers) -> None:
 def _add_optimize(subparsers) -> None:
     optimize = _add(subparsers, "optimize", "solve a pose graph")
     optimize.add_argument("graph", metavar="GRAPH.g2o", help="a 2-D pose graph")
-    optimize.add_argument("--out", metavar="FILE", help="write the solution as .g2o; vertices keep their ids")
+    optimize.add_argument(
+        "--out", action=Once, metavar="FILE", help="write the solution as .g2o; vertices keep their ids"
+    )
     optimize.add_argument("--repeat", type=count, metavar="N", help="solve N times and list the seconds")
     text = "stop when a step lowers chi2 by less than this share (default 1e-9)"
     optimize.add_argument("--tolerance", type=number, default=1e-9, metavar="R", help=text)
@@ -211,20 +205,24 @@ def _add_optimize(subparsers) -> None:
 
 def _add_figures(subparsers) -> None:
     figures = _add(subparsers, "figures", "draw every figure of the course anew")
-    figures.add_argument("--out", metavar="DIR", help="default: the folder figures beside the package")
+    figures.add_argument("--out", action=Once, metavar="DIR", help="default: the folder figures beside the package")
     text = "draw the success of a sweep's runs instead (default folder: FILE without its ending)"
     figures.add_argument("--sweep", metavar="FILE", help=text)
 
 
 def _add_site(subparsers) -> None:
     site = _add(subparsers, "site", "build the course as static web pages that run Python in the reader's browser")
-    site.add_argument("--out", required=True, metavar="DIR", help="the folder to make, or an earlier site to replace")
+    site.add_argument(
+        "--out", action=Once, required=True, metavar="DIR", help="the folder to make, or an earlier site to replace"
+    )
     site.add_argument("--pyodide", metavar="FOLDER", help="a distribution of Pyodide to hand out with the site")
 
 
 def _add_book(subparsers) -> None:
     book = _add(subparsers, "book", "write all lessons as one book, to read offline and to print")
-    book.add_argument("--out", required=True, metavar="FILE", help="FILE.html, or FILE.pdf if there is a browser")
+    book.add_argument(
+        "--out", action=Once, required=True, metavar="FILE", help="FILE.html, or FILE.pdf if there is a browser"
+    )
     book.add_argument("--browser", metavar="PROGRAM", help="the Chromium, Chrome or Edge that prints the PDF")
 
 
@@ -235,7 +233,8 @@ def _add_badges(subparsers) -> None:
 def _add_assignment(subparsers) -> None:
     assignment = _add(subparsers, "assignment", "write the student's copy of lessons, and their source for nbgrader")
     assignment.add_argument("lessons", nargs="*", metavar="LESSON", help="numbers of lessons, such as 04")
-    assignment.add_argument("--out", required=True, metavar="DIR", help="folder to write into; nothing is overwritten")
+    text = "folder to write into; nothing is overwritten"
+    assignment.add_argument("--out", action=Once, required=True, metavar="DIR", help=text)
     assignment.add_argument("--student", action="store_true", help="the student's copy alone, without any solution")
     assignment.add_argument("--course", action="store_true", help="the whole course instead, without all answers")
 

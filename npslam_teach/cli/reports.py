@@ -5,7 +5,7 @@ import math
 from npslam_teach.pose_graph import Optimum
 
 CERTIFICATES = {
-    "certified": "certified: no other minimum is lower",
+    "certified": "certified: no other minimum is lower by more than a millionth of it",
     "gap": "gap <= {gap:.4g}: no other minimum is lower by more",
     "none": "none: nothing is known about lower minima",
 }

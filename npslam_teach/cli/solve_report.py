@@ -9,12 +9,12 @@ from npslam_teach.cli.posterior_report import samples_lines
 from npslam_teach.evaluation import map_quality
 from npslam_teach.experiments.runs import Run, run_summary
 from npslam_teach.methods import METHODS
-from npslam_teach.types import UNKNOWN, GroundTruth
+from npslam_teach.types import UNKNOWN, GroundTruth, PoseGraph
 
 OFFICE_THRESHOLD = 0.3  # epsilon: an object of two observations is one no longer doubted
 
 
-def solve_result(run: Run, truth: GroundTruth | None) -> dict:
+def solve_result(run: Run, truth: GroundTruth | None, refitted: PoseGraph) -> dict:
     """What ``solve --json`` prints: the summary, the association, the trajectory and the map."""
     last = run.snapshots[-1]
     counts = last.votes[:, 1:].sum(axis=1)
@@ -29,7 +29,7 @@ def solve_result(run: Run, truth: GroundTruth | None) -> dict:
     ]
     quality = asdict(map_quality(last, run.log, OFFICE_THRESHOLD))
     arrays = {"labels": last.labels.tolist(), "poses": last.graph.poses.tolist(), "objects": objects}
-    return run_summary(run, truth) | {"quality": quality} | arrays
+    return run_summary(run, truth, refitted) | {"quality": quality} | arrays
 
 
 def solve_text(result: dict, truth: GroundTruth | None) -> str:

@@ -2,14 +2,15 @@
 
 import math
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from npslam_teach import experiments
+from npslam_teach import experiments, simulate
 from npslam_teach.association import PAPER_ALPHA, same_partition
 from npslam_teach.cli.posterior_report import samples_result
-from npslam_teach.evaluation import chi2_per_dof, refit, refitted_objective
+from npslam_teach.evaluation import chi2_per_dof, refitted_objective
 from npslam_teach.evaluation.consistency import degrees_of_freedom
 from npslam_teach.methods import METHODS, paper_settings, sample_posterior, settings_for
 from npslam_teach.methods.noise import with_noise
@@ -17,7 +18,7 @@ from npslam_teach.methods.noise_estimate import estimate_noise
 from npslam_teach.methods.snapshots import snapshot
 from npslam_teach.pose_graph import fit
 from npslam_teach.system.progress import track
-from npslam_teach.types import RobotLog
+from npslam_teach.types import PoseGraph, RobotLog
 
 LEAST_SAMPLES = 16  # four for each chain: fewer tell nothing of how they agree
 MINDS_THE_NOISE = ("np-graph", "ekf", "posterior")  # the others do not close loops, so that their chi2 is of drift
@@ -62,6 +63,11 @@ def sampled(options, log: RobotLog, settings: dict, found: experiments.Run) -> d
     return {"posterior": samples_result(sample_posterior(log, options.samples, found=found.snapshots[-1], **known))}
 
 
+def with_added_noise(options, log: RobotLog) -> RobotLog:
+    """The log with more noise, where that is asked for."""
+    return simulate.add_noise(log, options.noise, np.random.default_rng(options.seed)) if options.noise != 0 else log
+
+
 def with_estimated_noise(options, log: RobotLog) -> tuple[RobotLog, dict]:
     """Where it is asked for, the log with the noise that its residuals show, and what was found."""
     if not options.estimate_noise:
@@ -83,14 +89,14 @@ def with_estimated_noise(options, log: RobotLog) -> tuple[RobotLog, dict]:
     return estimate.applied_to(log), {"estimated_noise": numbers}
 
 
-def agreement(options, log: RobotLog, found: experiments.Run) -> dict:
+def agreement(options, found: experiments.Run, refitted: PoseGraph) -> dict:
     """How well the associations fit the log's own noise: chi2 per degree of freedom, and one score for all methods."""
     last, given = found.snapshots[-1], {"alpha": options.alpha, "area": options.area}
-    constants, graph = {name: value for name, value in given.items() if value is not None}, refit(last, log)
+    constants = {name: value for name, value in given.items() if value is not None}
     return {
-        "score": refitted_objective(last, log, graph=graph, **constants),
-        "chi2_per_dof": chi2_per_dof(graph),
-        "dof": degrees_of_freedom(graph),
+        "score": refitted_objective(last, found.log, graph=refitted, **constants),
+        "chi2_per_dof": chi2_per_dof(refitted),
+        "dof": degrees_of_freedom(refitted),
     }
 
 
@@ -121,20 +127,32 @@ def remarks(options, log: RobotLog, settings: dict, found: experiments.Run, fits
     if options.method == "posterior" and searches_of(found) == starts:
         text = f"all {starts} searches were needed, and the best partition may not have been found twice; see --starts"
         warnings.warn(text, stacklevel=2)
-    carried = [name for name in ("odometry_cov", "observation_cov") if getattr(log, name) is not None]
-    if carried and METHODS[options.method].settings["odometry_std"] is not None:
-        text = f"{options.method} assumes one noise for all: {' and '.join(carried)} of the log have no effect"
-        warnings.warn(text, stacklevel=2)
-    ratio, margin = fits["chi2_per_dof"], 3 * math.sqrt(2 / max(fits["dof"], 1))
-    if options.method in MINDS_THE_NOISE and not (min(0.5, 1 - margin) <= ratio <= max(2.0, 1 + margin)):
-        text = f"chi2 per degree of freedom is {ratio:.3g}: the noise in the log is wrong, or who is who; see"
-        warnings.warn(f"{text} --estimate-noise", stacklevel=2)
+    for text in _without_effect(options.method, log):
+        warnings.warn(f"{text} of the log have no effect", stacklevel=2)
+    if options.method in MINDS_THE_NOISE and _misfits(fits["chi2_per_dof"], fits["dof"]):
+        text = f"chi2 per degree of freedom is {fits['chi2_per_dof']:.3g}: the noise in the log is wrong, or who is who"
+        warnings.warn(f"{text}; see --estimate-noise", stacklevel=2)
     threshold, most = settings.get("threshold"), 1 / (1 + alpha)  # of the probability that two observations are one
     if options.method == "np-graph" and threshold is not None and threshold >= most:
         text = f"--threshold {threshold:g}: expected less than {most:.3f}, the most that two observations can reach"
         warnings.warn(f"{text}; nothing can be merged", stacklevel=2)
     if options.method != "frame-by-frame" and last.num_objects == log.num_observations > 1:
         warnings.warn("nothing was merged: every observation is an object of its own", stacklevel=2)
+
+
+def _misfits(ratio: float, dof: int) -> bool:
+    """Whether chi2 per degree of freedom is off by more than chance explains, and by a factor of two."""
+    margin = 3 * math.sqrt(2 / max(dof, 1))
+    return dof > 0 and not (min(0.5, 1 - margin) <= ratio <= max(2.0, 1 + margin))
+
+
+def _without_effect(method: str, log: RobotLog) -> Iterator[str]:
+    """What a log carries and a method does not look at, and what it assumes instead."""
+    carried = [name for name in ("odometry_cov", "observation_cov") if getattr(log, name) is not None]
+    if carried and METHODS[method].settings["odometry_std"] is not None:
+        yield f"{method} assumes one noise for all: {' and '.join(carried)}"
+    if log.class_probabilities is not None and not METHODS[method].sees_classes:
+        yield f"{method} takes the most likely class for certain: class_probabilities"
 
 
 def searches_of(found: experiments.Run) -> int:

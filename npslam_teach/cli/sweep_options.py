@@ -6,6 +6,7 @@ import functools
 import warnings
 
 from npslam_teach.cli.option_types import count, index, methods, number
+from npslam_teach.cli.output_files import Once
 
 _AXES = {"alpha": "A", "threshold": "P", "kernel_std": "M"}
 
@@ -13,7 +14,7 @@ _AXES = {"alpha": "A", "threshold": "P", "kernel_std": "M"}
 def add_sweep_options(sweep: argparse.ArgumentParser) -> None:
     """Every axis takes values with commas between them."""
     text = "the table of rows, .csv or .parquet; where it exists the sweep goes on with what is missing"
-    sweep.add_argument("--out", metavar="FILE", required=True, help=text)
+    sweep.add_argument("--out", action=Once, metavar="FILE", required=True, help=text)
     sweep.add_argument("--methods", type=methods, default=["np-graph"], metavar="A,B", help="default np-graph")
     text = "fifteen_objects (default), a world of the gallery (such as twins), or files of logs with truth"
     sweep.add_argument("--scenes", type=_words, default=["fifteen_objects"], metavar="A,B", help=text)

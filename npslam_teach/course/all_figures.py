@@ -15,6 +15,7 @@ from npslam_teach.course.figure_file import draw_files
 from npslam_teach.course.filtering import figures as filtering_figures
 from npslam_teach.course.office import figures as office_figures
 from npslam_teach.course.pose_graph import figures as pose_graph_figures
+from npslam_teach.course.soft_association import figures as soft_association_figures
 from npslam_teach.course.the_posterior import figures as the_posterior_figures
 from npslam_teach.course.what_breaks import figures as what_breaks_figures
 from npslam_teach.course.why_association import figures
@@ -33,6 +34,7 @@ MODULES = (
     fifteen_objects_figures,
     what_breaks_figures,
     a_real_robot_figures,
+    soft_association_figures,
 )
 FIGURES = tuple(sorted((entry for module in MODULES for entry in module.FIGURES), key=lambda entry: entry.name))
 

@@ -13,7 +13,8 @@ One file has the columns ``kind, time, x, y, theta, class, object``, in any orde
 
 ``time`` counts poses from 0. A class is a number from 0 or a name; an object has any name, ``clutter`` is none, and an
 empty one is unknown. Where every step, or every observation, has a covariance of its own, rows of that kind carry it in
-the columns ``cov_xx, cov_xy, cov_yy`` (m^2) and, of a step, ``cov_xt, cov_yt, cov_tt`` (m rad, rad^2). A folder holds
+the columns ``cov_xx, cov_xy, cov_yy`` (m^2) and, of a step, ``cov_xt, cov_yt, cov_tt`` (m rad, rad^2); and what every
+observation says of each class, in their order with spaces between, stands in ``class_probabilities``. A folder holds
 the same without the column ``kind``: ``odometry.csv``, ``observations.csv`` and ``sensor.csv`` (with ``kind``: the
 standard deviations and the classes), and ``true_poses.csv`` and ``true_objects.csv`` where there is a truth. Columns
 are separated by commas, semicolons or tabs; a line that begins with # is a comment.
@@ -36,7 +37,8 @@ COVARIANCES = {  # by kind of row: the upper triangle, row by row
     "odometry": ("cov_xx", "cov_xy", "cov_xt", "cov_yy", "cov_yt", "cov_tt"),
     "observation": ("cov_xx", "cov_xy", "cov_yy"),
 }
-KNOWN_COLUMNS = (*COLUMNS, *COVARIANCES["odometry"])
+BELIEFS = "class_probabilities"
+KNOWN_COLUMNS = (*COLUMNS, *COVARIANCES["odometry"], BELIEFS)
 USES = {
     "odometry_std": ("x", "y", "theta"),
     "observation_std": ("x", "y"),
@@ -111,6 +113,8 @@ def _log_fields(path, rows: dict) -> dict:
     }
     in_order = {"odometry": [in_time[k] for k in range(len(steps))], "observation": seen}
     fields |= {f"{kind}_cov": cov for kind, own in in_order.items() if (cov := _covariances(own, kind)) is not None}
+    if any(row.text.get(BELIEFS) for row in seen):
+        fields[BELIEFS] = np.array([row.split_numbers(BELIEFS, len(names)) for row in seen])
     if names != [str(c) for c in range(len(names))]:
         fields["class_names"] = np.array(names)
     if rows["true_object"]:
@@ -186,7 +190,8 @@ def write_csv_log(path, fields: dict) -> None:
     stream = io.StringIO()
     kinds = [kind for kind in COVARIANCES if f"{kind}_cov" in fields]
     more = max((COVARIANCES[kind] for kind in kinds), key=len, default=())
-    writer = csv.DictWriter(stream, (*COLUMNS, *more), lineterminator="\n")
+    beliefs = (BELIEFS,) if BELIEFS in fields else ()
+    writer = csv.DictWriter(stream, (*COLUMNS, *more, *beliefs), lineterminator="\n")
     writer.writeheader()
     writer.writerows(_written(fields))
     with atomic_write(path) as file:
@@ -199,11 +204,11 @@ def _written(fields: dict) -> Iterator[dict]:
     for kind in ("odometry_std", "observation_std"):
         yield _row(kind, fields[kind])
     yield from ({"kind": "class", "class": name} for name in names)
-    for time, (step, cov) in enumerate(zip(fields["odometry"], _written_covariances(fields, "odometry"), strict=True)):
+    for time, (step, cov) in enumerate(zip(fields["odometry"], _written_details(fields, "odometry"), strict=True)):
         yield _row("odometry", step, time=time) | cov
     true_object = fields.get("true_object", np.full(len(fields["obs_time"]), UNKNOWN)).tolist()
     seen = zip(fields["obs_time"], fields["obs_xy"], fields["obs_class"], true_object, strict=True)
-    for (time, xy, c, k), cov in zip(seen, _written_covariances(fields, "observation"), strict=True):
+    for (time, xy, c, k), cov in zip(seen, _written_details(fields, "observation"), strict=True):
         yield _row("observation", xy, time=time) | {"class": names[c], "object": objects.get(k, k)} | cov
     for time, pose in enumerate(fields.get("true_poses", ())):
         if not np.isnan(pose[:2]).any():
@@ -212,13 +217,17 @@ def _written(fields: dict) -> Iterator[dict]:
         yield _row("true_object", xy) | {"class": names[fields["object_class"][k]], "object": k}
 
 
-def _written_covariances(fields: dict, kind: str) -> list[dict]:
-    """For every row of a kind, what stands in the columns of its covariance; nothing where it has none."""
+def _written_details(fields: dict, kind: str) -> list[dict]:
+    """For every row of a kind, what stands in the columns of its covariance and its classes, if it has them."""
     cov = fields.get(f"{kind}_cov")
-    if cov is None:
-        return [{}] * len(fields["odometry" if kind == "odometry" else "obs_xy"])
-    upper = cov[:, *np.triu_indices(cov.shape[1])]
-    return [{name: repr(value) for name, value in zip(COVARIANCES[kind], row, strict=True)} for row in upper.tolist()]
+    rows = [{} for _ in fields["odometry" if kind == "odometry" else "obs_xy"]]
+    if cov is not None:
+        upper = cov[:, *np.triu_indices(cov.shape[1])].tolist()
+        rows = [dict(zip(COVARIANCES[kind], map(repr, row), strict=True)) for row in upper]
+    if kind == "observation" and BELIEFS in fields:
+        beliefs = fields[BELIEFS].tolist()
+        rows = [row | {BELIEFS: " ".join(map(repr, own))} for row, own in zip(rows, beliefs, strict=True)]
+    return rows
 
 
 def _row(kind: str, numbers, **more) -> dict:

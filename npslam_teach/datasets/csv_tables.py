@@ -31,6 +31,15 @@ class Row(NamedTuple):
         """One for each column."""
         return [self.number(column) for column in columns]
 
+    def split_numbers(self, column: str, count: int) -> list[float]:
+        """So many numbers in one column, with spaces between."""
+        text = self.text.get(column, "")
+        parts = [Row(self.where, {column: part}).number(column) for part in text.split()]
+        if len(parts) != count:
+            problem = f"expected {count} numbers with spaces between, got {shorten(text)}"
+            raise ValueError(f"{self.where}: {column}: {problem}")
+        return parts
+
     def known(self, *columns: str) -> list[float]:
         """The same, NaN where nothing is written."""
         return [self.number(column) if self.text.get(column) else math.nan for column in columns]
@@ -39,7 +48,8 @@ class Row(NamedTuple):
         """A whole number from 0, below the length."""
         value = self.number(column)
         if not 0 <= value < length or value != int(value):
-            problem = f"expected a whole number from 0 to {length - 1}, got {shorten(self.text[column])}"
+            hint = " (poses are counted, this is no clock)" if column == "time" else ""
+            problem = f"expected a whole number from 0 to {length - 1}, got {shorten(self.text[column])}{hint}"
             raise ValueError(f"{self.where}: {column}: {problem}")
         return int(value)
 
@@ -81,11 +91,11 @@ def _values(path, number: int, line: str, separator: str) -> list[str]:
 
 
 def _require_columns(where: str, columns: list[str], known: tuple) -> None:
-    twice = [name for name in columns if columns.count(name) > 1]
-    if twice:
-        raise ValueError(f"{where}: expected every column once, got {shorten(twice[0])} twice")
     unknown = [name for name in columns if name not in known]
     if len(unknown) == len(columns):
         raise ValueError(f"{where}: expected columns out of {', '.join(known)}, got {shorten(','.join(columns))}")
+    twice = [name for name in columns if columns.count(name) > 1]
+    if twice:
+        raise ValueError(f"{where}: expected every column once, got {shorten(twice[0])} twice")
     if unknown:
         warnings.warn(f"{where}: columns that are not read: {shorten(', '.join(unknown))}", stacklevel=4)

@@ -103,6 +103,10 @@ def _unknown(tag: bytes) -> str:
         return f"expected a file of g2o or TORO, got the tag {_quote(tag)} of {FOREIGN[tag]}"
     if b"SE3" in tag or b"XYZ" in tag or b"QUAT" in tag or tag in (b"VERTEX3", b"EDGE3"):
         return f"expected a two-dimensional graph, got the tag {_quote(tag)} of a three-dimensional one"
+    if b"BEARING" in tag or b"RANGE" in tag:
+        return f"expected landmarks measured as x y, in EDGE_SE2_XY, got {_quote(tag)}, which is of bearings or ranges"
+    if tag.upper() in FIELDS:
+        return f"expected the tag {tag.upper().decode()} in capitals, got {_quote(tag)}"
     known = ", ".join(known.decode() for known in FIELDS)
     return f"expected one of the tags {known}, got {_quote(tag)}"
 

@@ -11,9 +11,9 @@ from npslam_teach.validation import checked_array
 
 LOG_FIELDS = ("odometry", "obs_time", "obs_xy", "obs_class", "num_classes", "odometry_std", "observation_std")
 TRUTH_FIELDS = ("true_poses", "true_object", "object_xy", "object_class")
-COVARIANCE_FIELDS = ("odometry_cov", "observation_cov")
+OPTIONAL_FIELDS = ("odometry_cov", "observation_cov", "class_probabilities")
 NAMES_FIELD = "class_names"
-FIELDS = (*LOG_FIELDS, *COVARIANCE_FIELDS, *TRUTH_FIELDS, NAMES_FIELD)
+FIELDS = (*LOG_FIELDS, *OPTIONAL_FIELDS, *TRUTH_FIELDS, NAMES_FIELD)
 
 
 def run_from(fields: dict) -> tuple[RobotLog, GroundTruth | None]:
@@ -28,16 +28,32 @@ def run_from(fields: dict) -> tuple[RobotLog, GroundTruth | None]:
     num_classes = checked_array("num_classes", fields["num_classes"], ()).item()
     if num_classes > MAX_CLASSES:
         raise ValueError(f"num_classes: expected at most {MAX_CLASSES}, got {num_classes:g}")
-    used = {name: fields[name] for name in (*LOG_FIELDS, *COVARIANCE_FIELDS) if name in fields}
+    used = {name: fields[name] for name in (*LOG_FIELDS, *OPTIONAL_FIELDS) if name in fields}
     log = RobotLog(**used | {"num_classes": num_classes})
     log = replace(log, class_names=_class_names(fields, log.num_classes))
     return log, _truth_from(fields, log)
 
 
+def doubts_about(log: RobotLog) -> list[str]:
+    """Sentences about what is possible in a log, and more often a mistake of whoever wrote it."""
+    doubts, turns = [], np.abs(log.odometry[:, 2])
+    if turns.max(initial=0.0) > np.pi:
+        turn = f"step {turns.argmax()} of odometry turns by {turns.max():.4g}"
+        doubts.append(f"{turn}, more than half a turn: expected radians, are these degrees?")
+    rests, last = (log.odometry == 0).all(axis=1), log.num_poses - 1
+    if rests.sum() == 1 and (rests[0] or rests[-1]) and last > 1 and log.obs_time.max(initial=0) < last:
+        end = "first" if rests[0] else "last"
+        doubts.append(
+            f"the {end} step of odometry is zero, and nothing is seen from the last pose: expected one step fewer than "
+            "there are poses, from each to the next; is it one row too many?"
+        )
+    return doubts
+
+
 def fields_of(log: RobotLog, truth: GroundTruth | None) -> dict:
     """The same as arrays by name; of the truth, only what is known."""
     fields = {name: np.asarray(getattr(log, name)) for name in LOG_FIELDS}
-    fields |= {name: getattr(log, name) for name in COVARIANCE_FIELDS if getattr(log, name) is not None}
+    fields |= {name: getattr(log, name) for name in OPTIONAL_FIELDS if getattr(log, name) is not None}
     names = log.class_names if truth is None else truth.world.class_names
     if names is not None:
         fields[NAMES_FIELD] = np.array(names, dtype=str)
@@ -74,6 +90,9 @@ def _truth_from(fields: dict, log: RobotLog) -> GroundTruth | None:
 def _true_poses(value, num_poses: int) -> np.ndarray:
     """Positions alone get headings that are unknown."""
     size = 2 if np.ndim(value) == 2 and np.shape(value)[1] == 2 else 3
+    if np.ndim(value) == 2 and len(value) == num_poses - 1:
+        problem = f"expected shape ({num_poses}, {size}), got {np.shape(value)}"
+        raise ValueError(f"true_poses: {problem}: one pose more than steps of odometry; has that one row too many?")
     known = checked_array("true_poses", value, (num_poses, size), gaps=True)
     return np.column_stack([known, np.full((num_poses, 3 - size), np.nan)])
 

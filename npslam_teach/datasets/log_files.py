@@ -1,11 +1,12 @@
 """Robot logs in and out: our own .npz and .csv files, and the authors' two kinds of .mat files by their variables."""
 
+import warnings
 from pathlib import Path
 
 import numpy as np
 
 from npslam_teach.datasets.csv_files import read_csv_log, write_csv_log
-from npslam_teach.datasets.log_fields import FIELDS, fields_of, run_from
+from npslam_teach.datasets.log_fields import FIELDS, doubts_about, fields_of, run_from
 from npslam_teach.datasets.mat_files import read_mat
 from npslam_teach.datasets.mu2016 import (
     SIMULATION_VARIABLES,
@@ -24,7 +25,8 @@ def load_log(path) -> tuple[RobotLog, GroundTruth | None]:
     """Read what a robot recorded, and what really happened as far as the file knows.
 
     A ``.npz`` log holds the fields of `RobotLog` under their names, ``class_names`` and the covariances of single steps
-    (``odometry_cov``) and observations (``observation_cov``) if it likes, and of the truth whatever is known:
+    (``odometry_cov``) and observations (``observation_cov``) and what each observation says of all classes
+    (``class_probabilities``) if it likes, and of the truth whatever is known:
     ``true_poses`` (T, 3), or (T, 2) without headings, NaN where unknown; ``true_object`` (M,), -1 for clutter, -2 for
     unknown; ``object_xy`` (K, 2) and ``object_class`` (K,). Other entries are ignored. A ``.csv`` log holds the same in
     rows, see ``csv_files``; it is one file or a folder of them. A ``.mat`` file is one of the authors' two (see
@@ -48,7 +50,10 @@ def load_log(path) -> tuple[RobotLog, GroundTruth | None]:
         wanted = "a file name that ends in .npz, .csv or .mat, or a folder of .csv files"
         raise ValueError(f"{path}: expected {wanted}, got {shorten(suffix)}")
     with prefix_errors(path):
-        return run_from(fields)
+        log, truth = run_from(fields)
+    for doubt in doubts_about(log):
+        warnings.warn(f"{path}: {doubt}", stacklevel=2)
+    return log, truth
 
 
 def _load_mat(path) -> tuple[RobotLog, GroundTruth | None]:

@@ -39,17 +39,21 @@ def load_mrclam(folder, robot: int = 1, num_classes: int = 5) -> tuple[RobotLog,
     if num_classes < 1:
         raise ValueError(f"num_classes: expected a positive integer, got {num_classes}")
     folder = Path(folder)
-    barcodes = _table(folder / "Barcodes.dat", 2)
-    landmarks = _table(folder / "Landmark_Groundtruth.dat", 5)
-    wheels, seen, truth = (
-        _table(folder / f"Robot{robot}_{name}.dat", width)
-        for name, width in (("Odometry", 3), ("Measurement", 4), ("Groundtruth", 4))
+    if folder.is_file():
+        raise ValueError(f"{folder}: expected a folder, got a file")
+    barcodes = _table(folder / "Barcodes.dat", 2, whole=(0, 1))
+    landmarks = _table(folder / "Landmark_Groundtruth.dat", 5, whole=(0,))
+    wheels, truth = (
+        _table(folder / f"Robot{robot}_{name}.dat", n) for name, n in (("Odometry", 3), ("Groundtruth", 4))
     )
+    seen = _table(folder / f"Robot{robot}_Measurement.dat", 4, whole=(1,))
+    with prefix_errors(folder):
+        _require_identities(robot, barcodes, landmarks, seen)
     subject = {int(code): int(number) for number, code in barcodes}
     number = np.array([subject.get(int(code), 0) for code in seen[:, 1]], dtype=int)
     inside = (number >= FIRST_LANDMARK) & (seen[:, 0] >= wheels[0, 0]) & (seen[:, 0] <= wheels[-1, 0])
     seen, number = seen[inside], number[inside] - FIRST_LANDMARK
-    landmarks = landmarks[np.argsort(landmarks[:, 0]), 1:3]
+    landmarks = landmarks[:, 1:3]
     with prefix_errors(folder):
         _require_truth(robot, seen, number, truth, len(landmarks))
         return _log_of(wheels, seen, number, truth, landmarks, num_classes)
@@ -81,6 +85,20 @@ def load_hidden(path) -> tuple[RobotLog, GroundTruth]:
         log = RobotLog(between.relative_pose[order], seen.pose, seen.xy, zeros, 1, *stds)
         world = World(graph.landmarks, np.zeros(len(graph.landmarks), dtype=int), ("landmark",))
         return log, GroundTruth(world, graph.poses, seen.landmark)
+
+
+def _require_identities(robot: int, barcodes, landmarks, seen) -> None:
+    """Raise ``ValueError`` unless it is clear which landmark stands where, and whose a barcode is."""
+    expected = FIRST_LANDMARK + np.arange(len(landmarks))
+    if not np.array_equal(landmarks[:, 0], expected):
+        got = ", ".join(f"{number:.0f}" for number in landmarks[:, 0])
+        raise ValueError(f"Landmark_Groundtruth.dat: expected subjects 6 to {expected[-1]}, each once, got {got}")
+    owners = np.unique(barcodes, axis=0)
+    codes, often = np.unique(owners[:, 1], return_counts=True)
+    if often.max() > 1:
+        raise ValueError(f"Barcodes.dat: expected one subject for barcode {codes[often.argmax()]:.0f}, got several")
+    if seen[:, 2].min() < 0:
+        raise ValueError(f"Robot{robot}_Measurement.dat: expected distances from 0, got {seen[:, 2].min():g}")
 
 
 def _require_truth(robot: int, seen, number, truth, num_landmarks: int) -> None:
@@ -123,24 +141,40 @@ def _driven(wheels: np.ndarray) -> np.ndarray:
 
 def _typical_std(information: np.ndarray) -> np.ndarray:
     """The standard deviations (d,) that most factors (E, d, d) have."""
-    return 1 / np.sqrt(np.median(np.diagonal(information, axis1=1, axis2=2), axis=0))
+    typical = np.median(np.diagonal(information, axis1=1, axis2=2), axis=0)
+    if not (typical > 0).all():
+        raise ValueError(f"expected information above 0, got a median of {typical.min():g}")
+    return 1 / np.sqrt(typical)
 
 
-def _table(path: Path, width: int) -> np.ndarray:
-    """Numbers in so many columns, in the order of the first; lines that begin with # are comments."""
+def _table(path: Path, width: int, whole: tuple[int, ...] = ()) -> np.ndarray:
+    """So many columns, some of whole numbers, in the order of the first; lines that begin with # are comments."""
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file")
     with prefix_errors(path):
-        rows = [line.split() for line in path.read_text(encoding="utf-8").splitlines()]
-        rows = [row for row in rows if row and not row[0].startswith("#")]
-        for row in rows:
-            if len(row) != width:
-                raise ValueError(f"expected {width} columns, got {len(row)}")
         try:
-            table = np.array(rows, dtype=float).reshape(-1, width)
-        except ValueError:
-            raise ValueError("expected numbers only") from None
-        if len(table) < 2:
-            raise ValueError(f"expected at least two lines of numbers, got {len(table)}")
-        table = checked_array("numbers", table, (None, width))
+            lines = path.read_text(encoding="utf-8-sig").splitlines()
+        except UnicodeDecodeError:
+            raise ValueError("expected text in UTF-8") from None
+        rows = [
+            _numbers(line, number, width, whole) for number, line in enumerate(lines, 1) if line.split("#")[0].strip()
+        ]
+        if len(rows) < 2:
+            raise ValueError(f"expected at least two lines of numbers, got {len(rows)}")
+        table = checked_array("numbers", rows, (None, width))
         return table[np.argsort(table[:, 0], kind="stable")]
+
+
+def _numbers(line: str, number: int, width: int, whole: tuple[int, ...]) -> list[float]:
+    """The numbers of a line."""
+    words = line.split()
+    if len(words) != width:
+        raise ValueError(f"line {number}: expected {width} columns, got {len(words)}")
+    try:
+        found = [float(word) for word in words]
+    except ValueError:
+        raise ValueError(f"line {number}: expected numbers only, got {line.strip()[:40]!r}") from None
+    for column in whole:
+        if not found[column].is_integer():
+            raise ValueError(f"line {number}: expected a whole number in column {column + 1}, got {words[column][:20]}")
+    return found

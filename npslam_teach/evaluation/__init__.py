@@ -9,6 +9,7 @@ from npslam_teach.evaluation.clustering import compare_partitions, copies_of, si
 from npslam_teach.evaluation.confidence import wilson_interval
 from npslam_teach.evaluation.consistency import (
     chi2_per_dof,
+    chi2_score,
     nis_in_windows,
     share_inside,
     share_within,
@@ -23,6 +24,7 @@ __all__ = [
     "MapQuality",
     "align_to_truth",
     "chi2_per_dof",
+    "chi2_score",
     "compare_partitions",
     "compared_labels",
     "copies_of",

@@ -36,6 +36,17 @@ def degrees_of_freedom(graph: PoseGraph) -> int:
     return measured - unknowns_of(graph).count
 
 
+def chi2_score(graph: PoseGraph) -> float:
+    """By how many standard deviations chi2 differs from its degrees of freedom; negative where it is too small.
+
+    Chi-squared with n degrees of freedom has mean n and variance 2n. Both tails tell of a wrong model: measurements
+    that contradict each other raise chi2, groups that were chosen by looking at the noise lower it. NaN without degrees
+    of freedom.
+    """
+    dof = degrees_of_freedom(graph)
+    return float((chi2(graph) - dof) / np.sqrt(2 * dof)) if dof > 0 else float("nan")
+
+
 def share_within(radius: float) -> float:
     """The share of right matches within a Mahalanobis distance: chi-squared, 2 degrees of freedom."""
     return float(-np.expm1(-(radius**2) / 2))

@@ -12,7 +12,7 @@ from npslam_teach import se2
 from npslam_teach.evaluation.clustering import compare_partitions, singletons_for_unassigned
 from npslam_teach.evaluation.consistency import chi2_per_dof
 from npslam_teach.pose_graph import fit
-from npslam_teach.types import UNKNOWN, GroundTruth, RobotLog, Snapshot
+from npslam_teach.types import UNKNOWN, GroundTruth, PoseGraph, RobotLog, Snapshot
 
 
 @dataclass(frozen=True)
@@ -36,13 +36,14 @@ class Metrics:
         return asdict(self)
 
 
-def evaluate(snapshot: Snapshot, truth: GroundTruth, log: RobotLog) -> Metrics:
+def evaluate(snapshot: Snapshot, truth: GroundTruth, log: RobotLog, refitted: PoseGraph | None = None) -> Metrics:
     """Compare a snapshot with the truth: with all that is known of it.
 
     Args:
         snapshot: the estimate.
         truth: what really happened; what is unknown is left out of every measure.
         log: what was measured, for the sensor's noise in ``chi2_per_dof``.
+        refitted: ``score.refit`` of the snapshot, where it is at hand.
 
     Raises:
         ValueError: when the truth is of another log.
@@ -66,7 +67,7 @@ def evaluate(snapshot: Snapshot, truth: GroundTruth, log: RobotLog) -> Metrics:
         v_measure=v_measure,
         observations_used=num_used / max(log.num_observations, 1),
         num_observations_used=num_used,
-        chi2_per_dof=chi2_per_dof(fit(log, snapshot.labels, snapshot.graph.poses)),
+        chi2_per_dof=chi2_per_dof(refitted or fit(log, snapshot.labels, snapshot.graph.poses)),
     )
 
 

@@ -7,9 +7,13 @@ import numpy as np
 
 from npslam_teach import simulate
 from npslam_teach.evaluation import chi2_per_dof, distances_to_truth, true_association_fit
+from npslam_teach.experiments import tables
 from npslam_teach.experiments.runs import Run, Scene, row_of, run_method
 from npslam_teach.system.progress import track
 from npslam_teach.types import GroundTruth, Snapshot
+
+ERRORS = ("pose_error", "object_error", "ari", "chi2_per_dof")
+TABLE_COLUMNS = ("seed", "noise", "method", "rounds", "objects", "used", *ERRORS)
 
 
 def scenes(data: str | None, noise: float, seeds: Iterable[int]) -> Iterator[Scene]:
@@ -122,3 +126,43 @@ def _count_after(row: dict, iteration: int) -> int:
     """The number of objects after an iteration; a method that stopped earlier keeps its last."""
     counts = row["counts_per_iteration"]
     return counts[min(iteration, len(counts) - 1)]
+
+
+def write_runs(rows: Iterable[dict], path: Path) -> None:
+    """Write one line for each run: its end, and how many objects every round had.
+
+    Args:
+        rows: ``runs`` of the result of ``run_all``.
+        path: of the table, which ``read_runs`` reads.
+    """
+    tables.write_table(map(table_row, rows), TABLE_COLUMNS, path)
+
+
+def table_row(row: dict) -> dict:
+    """A run as a line of the table, metres rounded to a tenth of a millimetre."""
+    metrics = row["metrics"]
+    names = ("mean_pose_error", "mean_object_error", "ari", "chi2_per_dof")
+    values = (float("nan") if metrics[name] is None else metrics[name] for name in names)
+    return {
+        "seed": row["seed"],
+        "noise": row["noise"],
+        "method": row["method"],
+        "rounds": " ".join(map(str, row["counts_per_iteration"])),
+        "objects": row["num_objects"],
+        "used": metrics["num_observations_used"],
+    } | {column: round(value, 4) for column, value in zip(ERRORS, values, strict=True)}
+
+
+def read_runs(path: Path) -> list[dict]:
+    """The lines of ``write_runs``, ``rounds`` as a list of numbers.
+
+    Raises:
+        FileNotFoundError: there is no such file.
+        ValueError: it is another file.
+    """
+    kinds = {"seed": int, "method": str, "objects": int, "used": int, "rounds": _numbers}
+    return list(tables.read_table(path, TABLE_COLUMNS, kinds))
+
+
+def _numbers(text: str) -> list[int]:
+    return [int(word) for word in text.split()]

@@ -7,7 +7,7 @@ from functools import cache
 from npslam_teach import simulate
 from npslam_teach.methods import METHODS
 from npslam_teach.system.progress import track
-from npslam_teach.types import GroundTruth, RobotLog, Snapshot
+from npslam_teach.types import GroundTruth, PoseGraph, RobotLog, Snapshot
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +72,14 @@ def _warm_up(method: str) -> None:
         pass
 
 
-def run_summary(run: Run, truth: GroundTruth | None) -> dict:
-    """Everything about a run that is not an array."""
+def run_summary(run: Run, truth: GroundTruth | None, refitted: PoseGraph | None = None) -> dict:
+    """Everything about a run that is not an array.
+
+    Args:
+        run: that is over.
+        truth: what really happened, as far as it is known.
+        refitted: ``evaluation.refit`` of the run's end, where it is at hand.
+    """
     last = run.snapshots[-1]
     summary = {
         "method": run.method,
@@ -87,5 +93,5 @@ def run_summary(run: Run, truth: GroundTruth | None) -> dict:
     if truth is not None:
         from npslam_teach.evaluation import evaluate
 
-        summary["metrics"] = evaluate(last, truth, run.log).as_dict()
+        summary["metrics"] = evaluate(last, truth, run.log, refitted).as_dict()
     return summary

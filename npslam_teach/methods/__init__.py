@@ -3,9 +3,9 @@
 ``*_, last = method(log)`` gets the answer; ``list(method(log))`` feeds a slider; one loop over ``METHODS`` compares
 them all. Every method begins with the same snapshot 0: dead reckoning, every observation an object of its own.
 Begin with ``np_graph``, the paper's; ``registry`` has a record of each, ``settings`` the constants of the paper and of
-other sensors; ``ekf`` is the filter of ``ekf_slam``, ``block_filter`` the same faster. ``posterior`` goes past the
-paper: read ``tracklets``, ``annealing`` and ``repair`` with it, and ``posterior_samples``. ``noise_estimate`` asks a
-log how noisy it is.
+other sensors; ``ekf`` is the filter of ``ekf_slam``, ``block_filter`` the same faster. ``soft_em`` lets an observation
+be of several objects, each with its probability. ``posterior`` goes past the paper: read ``tracklets``, ``annealing``
+and ``repair`` with it, and ``posterior_samples``. ``noise_estimate`` asks a log how noisy it is.
 """
 
 from npslam_teach.methods.ekf_slam import ekf_slam
@@ -18,6 +18,7 @@ from npslam_teach.methods.posterior_samples import PosteriorSamples, sample_post
 from npslam_teach.methods.registry import METHODS, Method
 from npslam_teach.methods.robust_slam import robust_slam
 from npslam_teach.methods.settings import paper_settings, settings_for
+from npslam_teach.methods.soft_em import soft_em
 
 __all__ = [
     "METHODS",
@@ -34,4 +35,5 @@ __all__ = [
     "robust_slam",
     "sample_posterior",
     "settings_for",
+    "soft_em",
 ]

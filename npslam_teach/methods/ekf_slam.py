@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from npslam_teach.association import in_order_of_sight
+from npslam_teach.association.semantics import class_distances, log_likelihoods, updated_belief
 from npslam_teach.methods.block_filter import Belief
 from npslam_teach.methods.gating import GATE, NEW, NEW_GATE, UNASSIGNED, assign, frames_of, squared_gates
 from npslam_teach.methods.noise import observation_covariances, step_covariances, with_noise
@@ -30,8 +31,8 @@ class FilterStep:
     observations: np.ndarray  # (m,) indices into the log
     prior_mean: np.ndarray  # (3 + 2K,) before the observations
     prior_cov: np.ndarray  # (3 + 2K, 3 + 2K)
-    object_class: np.ndarray  # (K,) of the objects known before
-    squared_distance: np.ndarray  # (m, K) Mahalanobis, squared; infinite where the class rules it out
+    object_class: np.ndarray  # (K,) of the objects known before, the most probable
+    squared_distance: np.ndarray  # (m, K) Mahalanobis, squared, and of the classes; infinite where these rule it out
     decision: np.ndarray  # (m,) the object, UNASSIGNED or NEW
     labels: np.ndarray  # (m,) the same with the new objects numbered
     nis: float  # y^T S^-1 y of all matches together; NaN without any
@@ -61,7 +62,8 @@ def ekf_slam(
     Every frame is matched with the objects known so far. A pair must be of one class and within the gate, and no two
     observations share an object; the sum of squared Mahalanobis distances is least, where an observation without an
     object costs as much as one at the gate. An observation outside the second gate of every object of its class becomes
-    a new object. One in between is left out: either answer would be a guess, and a guess cannot be taken back.
+    a new object. One in between is left out: either answer would be a guess, and a guess cannot be taken back. Where
+    the log has class probabilities, classes that agree less well add to the distance (``association.semantics``).
 
     Args:
         log: what the robot measured.
@@ -131,24 +133,34 @@ def filter_steps(
     step_cov, sight_cov = step_covariances(log), observation_covariances(log)
     bounds, frames = squared_gates(gate, new_gate), frames_of(log)
     known_labels = None if labels is None else _in_order_of_sight(labels, frames)
-    belief, object_class = Belief.at_origin(), np.zeros(0, dtype=int)
+    seen_all = log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities)
+    belief, classes = Belief.at_origin(), np.zeros((0, log.num_classes))
     for time, observations in enumerate(frames):
         if time > 0:
             belief = belief.predicted(log.odometry[time - 1], step_cov[time - 1])
-        prior, seen_class = belief, log.obs_class[observations]
+        prior, seen = belief, seen_all[observations]
         xy, noise = log.obs_xy[observations], sight_cov[observations]
         distance = prior.squared_distances(xy, noise)
         if known_labels is None:
-            distance[seen_class[:, None] != object_class] = np.inf
+            distance = distance + class_distances(seen, classes)
             decision = assign(distance, *bounds)
         else:
-            decision = np.where(known_labels[observations] < len(object_class), known_labels[observations], NEW)
+            decision = np.where(known_labels[observations] < len(classes), known_labels[observations], NEW)
         is_new = decision == NEW
-        numbered = np.where(is_new, len(object_class) + np.cumsum(is_new) - 1, decision)
+        numbered = np.where(is_new, len(classes) + np.cumsum(is_new) - 1, decision)
         belief, nis = _absorb(prior, decision, xy, noise)
         before, after = (prior.mean, prior.cov), (belief.mean, belief.cov)
-        yield FilterStep(time, observations, *before, object_class, distance, decision, numbered, nis, *after)
-        object_class = np.append(object_class, seen_class[is_new])
+        yield FilterStep(time, observations, *before, classes.argmax(axis=1), distance, decision, numbered, nis, *after)
+        classes = _classes_after(classes, decision, seen, known_labels is not None)
+
+
+def _classes_after(classes: np.ndarray, decision: np.ndarray, seen: np.ndarray, is_given: bool) -> np.ndarray:
+    """What the objects are (logarithms) after the observations of a frame, new objects included."""
+    matched, is_new = decision >= 0, decision == NEW
+    if not is_given:  # given labels may contradict the classes
+        classes = classes.copy()
+        classes[decision[matched]] = updated_belief(classes[decision[matched]], seen[matched])
+    return np.append(classes, updated_belief(np.zeros_like(seen[is_new]), seen[is_new]), axis=0)
 
 
 def _absorb(belief: Belief, decision: np.ndarray, xy: np.ndarray, noise: np.ndarray) -> tuple[Belief, float]:

@@ -153,9 +153,8 @@ def sample_around(model: Model, state: State, num_samples: int, chains: int, see
             _move(sampler, 1.0)
             kept[chain, k], log_posterior[chain, k] = sampler.labels, sampler.log_posterior
     at_best = GibbsSampler(evidence, state.labels, np.random.default_rng(seed))
-    count = state.labels.max() + 1
-    blocks = at_best.cov.reshape(count, 2, count, 2)[np.arange(count), :, np.arange(count)]
-    return PosteriorSamples(model.tracklet, kept, log_posterior, state.labels, at_best.mean.reshape(-1, 2), blocks)
+    at_best = at_best.joint
+    return PosteriorSamples(model.tracklet, kept, log_posterior, state.labels, at_best.mean.reshape(-1, 2), at_best.own)
 
 
 def _move(sampler: GibbsSampler, temperature: float) -> None:

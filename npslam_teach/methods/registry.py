@@ -10,6 +10,7 @@ from npslam_teach.methods.np_graph import np_graph
 from npslam_teach.methods.open_loop import open_loop
 from npslam_teach.methods.posterior import posterior
 from npslam_teach.methods.robust_slam import robust_slam
+from npslam_teach.methods.soft_em import soft_em
 from npslam_teach.types import RobotLog, Snapshot
 
 
@@ -22,6 +23,7 @@ class Method:
     style: dict  # of its lines in every picture: colour, line and marker in matplotlib's words
     assumes: str  # what a reader of its answer must know, in a clause
     has_objective: bool = False  # whether it lowers ``association.objective``
+    sees_classes: bool = False  # whether ``RobotLog.class_probabilities`` have an effect
     in_paper: bool = True  # whether the paper compares it
 
     def __call__(self, log: RobotLog, **settings) -> Iterator[Snapshot]:
@@ -66,7 +68,18 @@ _ALL = (
         "ekf",
         ekf_slam,
         {"color": "#ddd32e", "linestyle": (0, (6, 1)), "marker": "v"},
-        "the log's noise is right and no class is confused; clutter far from every object becomes one",
+        "the log's noise is right, and no class is confused beyond the log's class probabilities; clutter far from "
+        "every object becomes one",
+        sees_classes=True,
+        in_paper=False,
+    ),
+    Method(
+        "soft-em",
+        soft_em,
+        {"color": "#c78ab8", "linestyle": (0, (1, 1)), "marker": "X"},
+        "the log's noise is right; the number of objects is the filter's, less those that prove to be one; clutter far "
+        "from every object becomes one",
+        sees_classes=True,
         in_paper=False,
     ),
     Method(

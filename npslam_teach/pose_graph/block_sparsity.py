@@ -5,8 +5,10 @@ not change while the estimates move. Only the upper triangle is kept, in compres
 the row and the value of every number that may differ from zero.
 """
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -61,8 +63,8 @@ class BlockStructure:
 
     def blocks(self, values: np.ndarray) -> list[np.ndarray]:
         """The part of all contributions (V,) that is each group's, as (height, width, B), to be written into."""
-        ends = np.cumsum([np.prod(shape) for shape in self.shapes])
-        return [values[end - np.prod(shape) : end].reshape(shape) for shape, end in zip(self.shapes, ends, strict=True)]
+        ends = list(accumulate((math.prod(shape) for shape in self.shapes), initial=0))
+        return [values[a:b].reshape(shape) for shape, (a, b) in zip(self.shapes, pairwise(ends), strict=True)]
 
     def gather(self, values: np.ndarray) -> np.ndarray:
         """Add up all contributions (V,) that fall on the same entry: the upper triangle's ``data`` (nnz,)."""
@@ -94,6 +96,11 @@ def block_structure(sizes: np.ndarray, groups: list[BlockGroup]) -> BlockStructu
             variable needs a block on the diagonal.
     """
     sizes = np.asarray(sizes, dtype=np.int64)
+    shapes = tuple((group.height, group.width, len(group.rows)) for group in groups)
+    if len(sizes) == 0:  # everything is fixed, and no number has a place
+        nothing = np.zeros(0, dtype=np.int64)
+        slots = np.zeros(sum(math.prod(shape) for shape in shapes), dtype=np.int64)
+        return BlockStructure(sizes, nothing, nothing, np.zeros(1, np.int32), np.zeros(0, np.int32), shapes, slots)
     low = np.concatenate([np.minimum(group.rows, group.cols) for group in groups])
     high = np.concatenate([np.maximum(group.rows, group.cols) for group in groups])
     apart = (low != FIXED) & (low < high)
@@ -110,7 +117,6 @@ def block_structure(sizes: np.ndarray, groups: list[BlockGroup]) -> BlockStructu
     # How many numbers stand above each contributed block in its own columns.
     above = height_over_diagonal[high]
     above[apart] = (_starts(heights) - _starts(height_over_diagonal)[block_cols])[which]
-    shapes = tuple((group.height, group.width, len(group.rows)) for group in groups)
     slots, indices = _slots(groups, above, indptr, _starts(sizes))
     indptr, indices = indptr.astype(np.int32), indices.astype(np.int32)
     return BlockStructure(sizes, block_rows, block_cols, indptr, indices, shapes, slots)

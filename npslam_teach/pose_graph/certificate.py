@@ -36,6 +36,8 @@ from npslam_teach.types import PoseGraph
 
 NEGLIGIBLE_GAP = 1e-6  # the share of chi2 by which a certified minimum might at most be too high,
 ROUNDING_GAP = 1e-9  # or this much: of a perfect fit, chi2 is rounding error
+ROUNDING_SHARE = 1e-14  # of the largest number on the diagonal, by which an eigenvalue may be wrong
+FEW = 4  # headings, of which all eigenvalues are found at once: Lanczos iterations need more
 ERRORS = np.linspace(-np.pi, np.pi, 129)  # rad, of heading, at which the quadratic is held below chi2
 
 
@@ -135,18 +137,22 @@ def _smallest_eigenvalue(quadratic, multipliers: np.ndarray, tolerance: float) -
     eigenvalue is below -shift. So a small shift is tried at first; when that fails, shifts are raised until one
     succeeds. From there Lanczos iterations find the smallest eigenvalue, and a shift by a little more verifies it.
     """
-    size, num_headings = quadratic.shape[0], len(multipliers)
-    diagonal = np.zeros(size)
+    num_headings = len(multipliers)
+    diagonal = np.zeros(quadratic.shape[0])
 
     def factorize(shift):
         diagonal[:num_headings] = shift - multipliers
         return _positive_factors(quadratic + _diagonal(diagonal))
 
-    shift = max(tolerance, 1e-14 * np.abs(multipliers).max())
+    # Of less than that the signs of the pivots say nothing; of a graph without factors all is zero.
+    size = max(np.abs(multipliers).max(), np.abs(quadratic.diagonal()[:num_headings]).max())
+    shift = max(tolerance, ROUNDING_SHARE * size, np.finfo(float).tiny)
     if factorize(shift):
         return -shift
     while not (factors := factorize(shift)):
         shift *= 10
+        if not np.isfinite(shift):
+            return -np.inf
 
     guess = shift - 1 / _largest_eigenvalue_of_inverse(factors, num_headings)
     for more in (1e-5, 1e-3, 0.1):
@@ -162,6 +168,8 @@ def _largest_eigenvalue_of_inverse(factors, num_headings: int) -> float:
     def solve(headings):
         return factors.solve(np.append(headings, np.zeros(factors.shape[0] - num_headings)))[:num_headings]
 
+    if num_headings < FEW:
+        return float(np.linalg.eigvalsh(np.column_stack([solve(column) for column in np.eye(num_headings)]))[-1])
     operator = LinearOperator((num_headings,) * 2, matvec=solve, dtype=complex)
     start = np.random.default_rng(0).normal(size=num_headings).astype(complex)
     return float(eigsh(operator, 1, which="LA", return_eigenvectors=False, v0=start, tol=1e-6)[0].real)

@@ -13,6 +13,7 @@ import numpy as np
 from npslam_teach.pose_graph.block_sparsity import SYMMETRIC, BlockStructure
 
 SINGULAR = "expected factors that determine every pose and landmark, but H is singular"
+LATEST = None  # in place of a matrix: the one that was factorised last
 Solve = Callable[[np.ndarray], np.ndarray]
 
 
@@ -32,9 +33,9 @@ def factorizer(structure: BlockStructure, library: str | None = None) -> Callabl
         library: "qdldl" or "superlu"; None takes the faster one that is installed.
 
     Returns:
-        a function that factorises the matrix of some ``data`` (nnz,) and returns ``solve``: (n,) or (n, k) right-hand
-        sides to solutions. A ``solve`` is good until the next matrix is factorised; asking again for the latest one
-        costs nothing. Both raise
+        a function that factorises the matrix of some ``data`` (nnz,), or takes the LATEST, and returns ``solve``: (n,)
+        or (n, k) right-hand sides to solutions. A ``solve`` is good until the next matrix is factorised; asking again
+        for the latest one costs nothing. Both raise
         ``numpy.linalg.LinAlgError`` where the matrix turns out to be singular.
     """
     if library is None:
@@ -45,7 +46,7 @@ def factorizer(structure: BlockStructure, library: str | None = None) -> Callabl
     latest: list = [None, None]
 
     def factorize_once(data: np.ndarray) -> Solve:
-        if data is not latest[0]:
+        if data is not LATEST and data is not latest[0]:
             latest[:] = data, factorize(data)
         return latest[1]
 
@@ -64,6 +65,10 @@ class LinearSystem(NamedTuple):
             return self.factorize(data)(rhs)
         except np.linalg.LinAlgError:
             return np.full_like(rhs, np.inf)
+
+    def solve_again(self, rhs: np.ndarray) -> np.ndarray:
+        """The same for the matrix that ``solve`` was given last, whose factors are at hand."""
+        return self.solve(LATEST, rhs)
 
 
 def solve_once(matrix, rhs: np.ndarray) -> np.ndarray:
@@ -89,13 +94,14 @@ class _Qdldl:
 
     def __init__(self, structure: BlockStructure):
         self._upper = structure.upper(np.zeros(len(structure.indices)))
+        self._lower = self._upper.T
         self._diagonal = structure.diagonal
         self._solver = None
 
     def __call__(self, data: np.ndarray) -> Solve:
         import qdldl
 
-        self._upper.data = data
+        self._upper.data = self._lower.data = data
         if self._solver is not None:
             self._solver.update(self._upper, upper=True)
             return self._checked_solve
@@ -106,13 +112,14 @@ class _Qdldl:
         return self._solve
 
     def _solve(self, rhs: np.ndarray) -> np.ndarray:
-        columns = [self._solver.solve(column) for column in np.atleast_2d(rhs.T)]
-        return _finite(np.stack(columns, axis=1).reshape(rhs.shape))
+        if rhs.ndim == 1:
+            return _finite(self._solver.solve(rhs))
+        return _finite(np.stack([self._solver.solve(column) for column in rhs.T], axis=1))
 
     def _checked_solve(self, rhs: np.ndarray) -> np.ndarray:
         """Solve, and look at what is left over: of a pivot that is exactly zero, `update` says nothing."""
         x = self._solve(rhs)
-        product = self._upper @ x + self._upper.T @ x - (self._upper.data[self._diagonal] * x.T).T
+        product = self._upper @ x + self._lower @ x - (self._upper.data[self._diagonal] * x.T).T
         size = np.abs(rhs).max() + np.abs(self._upper.data).max() * np.abs(x).max()
         if not np.abs(product - rhs).max() <= 1e-8 * size:
             self._solver = None

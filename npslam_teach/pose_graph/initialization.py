@@ -28,14 +28,16 @@ def chordal_start(graph: PoseGraph, system: LinearSystem | None = None) -> PoseG
 
     Args:
         graph: any connected graph. Of its estimate, only what the factors leave open is used.
-        system: the graph's ``linear_system``, where it is at hand already.
+        system: the graph's ``linear_system``, where it is at hand already; whoever has it knows the graph as connected,
+            or finds out soon.
 
     Raises:
         numpy.linalg.LinAlgError: when a pose or landmark is not tied to a fixed one by any chain of factors, or the
             factors do not determine all positions once the headings are known.
     """
-    require_connected(graph)
-    system = system or linear_system(graph)
+    if system is None:
+        require_connected(graph)
+        system = linear_system(graph)
     if system.structure.num_unknowns == 0:
         return graph
     graph = replace(graph, poses=np.column_stack([graph.poses[:, :2], _headings(graph, system)]))

@@ -23,6 +23,7 @@ from npslam_teach.pose_graph.factorization import LinearSystem
 from npslam_teach.pose_graph.gauss_newton import ROUNDING, Iteration, require_settings
 from npslam_teach.pose_graph.linearization import (
     Residuals,
+    gradient,
     linear_system,
     normal_equations,
     residuals,
@@ -36,6 +37,7 @@ from npslam_teach.validation import LARGEST
 MAX_DAMPING = 1e12
 MAX_WATCHDOG_STEPS = 3
 SUFFICIENT = 0.75  # the ratio of actual to predicted reduction that watchdog steps must reach together
+FAST_CONVERGENCE = 0.1  # a reduction below this share of the one before
 LINEAR_CONVERGENCE = 0.02  # a reduction above this share of the one before, and
 NEAR_THE_END = 0.01  # below this share of chi2, is the mark of a large-residual problem
 
@@ -51,7 +53,11 @@ class _Trial(NamedTuple):
 
 
 def levenberg_marquardt(
-    graph: PoseGraph, tolerance: float = 1e-9, max_iterations: int = 100, system: LinearSystem | None = None
+    graph: PoseGraph,
+    tolerance: float = 1e-9,
+    max_iterations: int = 100,
+    system: LinearSystem | None = None,
+    at: Residuals | None = None,
 ) -> Iterator[Iteration]:
     """Improve the graph step by step; chi2 never rises.
 
@@ -59,7 +65,8 @@ def levenberg_marquardt(
         graph: the start; its fixed poses and landmarks stay where they are.
         tolerance: stop when a step lowers chi2 by less than this share of it.
         max_iterations: stop after this many steps, converged or not.
-        system: the graph's ``linear_system``, where it is at hand already.
+        system: the graph's ``linear_system``, where it is at hand already, and every variable has a factor.
+        at: the residuals of the start, likewise.
 
     Yields:
         the start as iteration 0, then every step. The last one says whether it ``converged``, or why not.
@@ -68,29 +75,49 @@ def levenberg_marquardt(
         numpy.linalg.LinAlgError: when a pose or landmark is not determined by the factors; it is named.
     """
     require_settings(tolerance, max_iterations)
-    require_factors(graph)
-    system = system or linear_system(graph)
-    # Wrapped headings from the first: one of many turns would swallow small steps in rounding.
-    graph = retract(graph, np.zeros(system.structure.num_unknowns))
-    structure, at = system.structure, residuals(graph)
+    if system is None:
+        require_factors(graph)
+        system = linear_system(graph)
+    structure = system.structure
+    if np.abs(graph.poses[:, 2]).max() > np.pi:  # a heading of many turns would swallow small steps in rounding
+        graph, at = retract(graph, np.zeros(structure.num_unknowns)), None
+    at = at or residuals(graph)
     status = "running" if structure.num_unknowns else "converged"
     now = Iteration(0, graph, at.chi2, np.zeros(structure.num_unknowns), 0.0, status == "converged", status)
     yield now
-    reduction, large_residuals = np.inf, False
+    reduction, next_reduction, large_residuals = np.inf, np.inf, False
     while now.status == "running":
-        data, b = normal_equations(now.graph, structure, at)
-        if now.iteration == 0:
-            require_observable(now.graph, structure, data, system.factorize)
         # A perfect fit ends at rounding error, of which no relative decrease can be asked.
-        negligible = max(tolerance, ROUNDING) * at.chi2 + 1e-20 * len(b)
-        trial = _newton_step(now, at, data, b, system) if large_residuals else None
-        trial = trial or _damped_step(now, at, data, b, system, negligible)
-        status = _status(now, at.chi2, trial, negligible, max_iterations)
+        negligible = max(tolerance, ROUNDING) * at.chi2 + 1e-20 * structure.num_unknowns
+        trial = _last_step(now, at, system) if next_reduction <= negligible else None
+        trial = trial or _full_step(now, at, system, negligible, large_residuals)
         previous, reduction = reduction, at.chi2 - trial.at.chi2
+        next_reduction = np.inf if now.damping or trial.damping else _next_reduction(previous, reduction)
+        status = _status(now, trial, reduction <= negligible, max_iterations)
         large_residuals = large_residuals or LINEAR_CONVERGENCE * previous < reduction < NEAR_THE_END * at.chi2
         at = trial.at
         now = Iteration(now.iteration + 1, trial.graph, at.chi2, trial.dx, trial.damping, status == "converged", status)
         yield now
+
+
+def _full_step(now: Iteration, at: Residuals, system: LinearSystem, negligible: float, large_residuals: bool) -> _Trial:
+    """The step from normal equations of its own."""
+    data, b = normal_equations(now.graph, system.structure, at)
+    if now.iteration == 0:
+        require_observable(now.graph, system.structure, data, system.factorize)
+    trial = _newton_step(now, at, data, b, system) if large_residuals else None
+    return trial or _damped_step(now, at, data, b, system, negligible)
+
+
+def _last_step(now: Iteration, at: Residuals, system: LinearSystem) -> _Trial | None:
+    """A step that will hardly bring anything, for which the factors of the one before do.
+
+    None where it raises chi2; no step at all where that is only by rounding.
+    """
+    trial = _trial(now.graph, system.solve_again(-gradient(now.graph, at)))
+    if at.chi2 < trial.at.chi2 <= (1 + ROUNDING) * at.chi2:
+        return _Trial(now.graph, at, np.zeros_like(trial.dx), 0.0)
+    return trial if trial.at.chi2 <= at.chi2 else None
 
 
 def _damped_step(now: Iteration, at: Residuals, data, b, system: LinearSystem, negligible: float) -> _Trial:
@@ -152,9 +179,18 @@ def _damped(data: np.ndarray, diagonal: np.ndarray, damping: float) -> np.ndarra
     return damped
 
 
-def _status(now: Iteration, before: float, trial: _Trial, negligible: float, max_iterations: int) -> str:
+def _next_reduction(previous: float, reduction: float) -> float:
+    """What one more step is expected to bring, after two full ones; infinite where that cannot be said.
+
+    Close to a minimum Gauss-Newton converges linearly at worst: the next reduction is to this one at most as this one
+    was to the one before. That is relied on only where they fall fast.
+    """
+    return reduction**2 / previous if 0 < reduction < FAST_CONVERGENCE * previous < np.inf else np.inf
+
+
+def _status(now: Iteration, trial: _Trial, converged: bool, max_iterations: int) -> str:
     if trial.stuck:
         return "no step lowers chi2"
-    if before - trial.at.chi2 <= negligible:
+    if converged:
         return "converged"
     return "running" if now.iteration + 1 < max_iterations else "iteration limit"

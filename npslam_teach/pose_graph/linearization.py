@@ -83,14 +83,31 @@ def normal_equations(graph: PoseGraph, structure: BlockStructure, at: Residuals)
         the ``data`` (nnz,) of the structure's upper triangle, and b (n,).
     """
     values = structure.scratch
-    blocks, b = iter(structure.blocks(values)), dict.fromkeys(VARIABLES, 0.0)
+    blocks, b = iter(structure.blocks(values)), {name: np.zeros_like(getattr(graph, name)) for name in VARIABLES}
     for kind, residual in zip(FACTOR_KINDS, at.by_kind, strict=True):
+        of_kind = [next(blocks) for _ in range(3)]
+        if len(residual) == 0:
+            continue
         ends = kind.ends(graph)
         jacobians = kind.jacobians(*(end.estimate for end in ends))
-        shares = _fill([next(blocks) for _ in range(3)], *jacobians, kind.information(graph), residual)
+        shares = _fill(of_kind, *jacobians, kind.information(graph), residual)
         for end, share in zip(ends, shares, strict=True):
             b[end.variable] = b[end.variable] + _added_up(end.index, share, len(getattr(graph, end.variable)))
     return structure.gather(values), unknowns_of(graph).flatten(b)
+
+
+def gradient(graph: PoseGraph, at: Residuals) -> np.ndarray:
+    """The vector b (n,) alone, half the derivative of chi2 by the unknowns: ``sum J^T Omega r``.
+
+    Args: as in ``normal_equations``.
+    """
+    b = {name: np.zeros_like(getattr(graph, name)) for name in VARIABLES}
+    for kind, residual in zip(FACTOR_KINDS, at.by_kind, strict=True):
+        ends, force = kind.ends(graph), _weighted(residual, kind.information(graph))
+        jacobians = kind.jacobians(*(end.estimate for end in ends)) if len(force) else ()
+        for end, jacobian in zip(ends, jacobians, strict=False):
+            b[end.variable] += _added_up(end.index, np.einsum("eki,ek->ie", jacobian, force), len(b[end.variable]))
+    return unknowns_of(graph).flatten(b)
 
 
 def second_order_term(graph: PoseGraph, structure: BlockStructure, at: Residuals) -> np.ndarray:
@@ -149,13 +166,16 @@ def _fill(blocks: list[np.ndarray], jacobian_a, jacobian_b, information, residua
     The factors are moved to the last axis, where one sum over k or l runs through all of them at once: several times
     faster than thousands of products of matrices of three rows.
     """
-    a, b, omega, r = (
-        np.ascontiguousarray(np.moveaxis(array, 0, -1)) for array in (jacobian_a, jacobian_b, information, residual)
-    )
+    a, b, omega, r = (_factors_last(array) for array in (jacobian_a, jacobian_b, information, residual))
     omega_a, omega_b, omega_r = (np.einsum("kle,l...e->k...e", omega, array) for array in (a, b, r))
     for block, pair in zip(blocks, ((a, omega_a), (a, omega_b), (b, omega_b)), strict=True):
         np.einsum("kie,kje->ije", *pair, out=block)
     return np.einsum("kie,ke->ie", a, omega_r), np.einsum("kie,ke->ie", b, omega_r)
+
+
+def _factors_last(array: np.ndarray) -> np.ndarray:
+    """An array (E, ...) as one of (..., E), without holes."""
+    return np.ascontiguousarray(array.transpose(*range(1, array.ndim), 0))
 
 
 def _added_up(index: np.ndarray, values: np.ndarray, length: int) -> np.ndarray:

@@ -13,7 +13,7 @@ from npslam_teach.pose_graph.factorization import LinearSystem
 from npslam_teach.pose_graph.gauss_newton import Iteration, require_settings
 from npslam_teach.pose_graph.initialization import chordal_start
 from npslam_teach.pose_graph.levenberg_marquardt import levenberg_marquardt
-from npslam_teach.pose_graph.linearization import chi2, linear_system
+from npslam_teach.pose_graph.linearization import linear_system, residuals
 from npslam_teach.pose_graph.observability import require_factors
 from npslam_teach.pose_graph.relaxation import relaxed_start
 from npslam_teach.pose_graph.spanning_tree import odometry_start
@@ -89,9 +89,10 @@ def _checked_system(graph: PoseGraph, tolerance: float, max_iterations: int, lib
 
 def _runs(graph: PoseGraph, system: LinearSystem, tolerance: float, max_iterations: int) -> dict[str, list[Iteration]]:
     """The iterations from each start that ``minimize`` tries, by its name."""
-    runs = {}
-    for name, start in sorted(_cheap_starts(graph, system).items(), key=lambda named: chi2(named[1])):
-        runs[name] = run = list(levenberg_marquardt(start, tolerance, max_iterations, system))
+    runs, starts = {}, _cheap_starts(graph, system)
+    at = {name: residuals(start) for name, start in starts.items()}
+    for name in sorted(starts, key=lambda name: at[name].chi2):
+        runs[name] = run = list(levenberg_marquardt(starts[name], tolerance, max_iterations, system, at[name]))
         if run[-1].converged and not any(iteration.damping for iteration in run):
             break
     return runs

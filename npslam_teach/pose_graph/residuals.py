@@ -27,9 +27,10 @@ def between_residual(pose_i: np.ndarray, pose_j: np.ndarray, measured: np.ndarra
         (..., 3) m, m, rad, in R_i.
     """
     pose_i, pose_j, measured = np.asarray(pose_i), np.asarray(pose_j), np.asarray(measured)
-    xy = se2.apply_inverse(pose_i, pose_j[..., :2]) - measured[..., :2]
-    turn = se2.wrap(pose_j[..., 2] - pose_i[..., 2] - measured[..., 2])
-    return np.concatenate([xy, turn[..., None]], axis=-1)
+    residual = np.empty(np.broadcast_shapes(pose_i.shape, pose_j.shape, measured.shape))
+    residual[..., :2] = se2.apply_inverse(pose_i, pose_j[..., :2]) - measured[..., :2]
+    residual[..., 2] = se2.wrap(pose_j[..., 2] - pose_i[..., 2] - measured[..., 2])
+    return residual
 
 
 def between_jacobians(pose_i: np.ndarray, pose_j: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -87,4 +88,5 @@ def observation_jacobians(pose: np.ndarray, landmark: np.ndarray) -> tuple[np.nd
 
 def _stacked(rows: list) -> np.ndarray:
     """A matrix whose entries are arrays (...), as an array of matrices (..., height, width)."""
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+    array = np.array(rows)
+    return array.transpose(*range(2, array.ndim), 0, 1)

@@ -5,13 +5,16 @@ free landmarks. Whatever is fixed is left out: at least one variable has to be, 
 and turned without any measurement noticing. Fixing one pose removes this freedom, the *gauge*.
 """
 
-from dataclasses import dataclass, replace
+import copy
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.pose_graph.block_sparsity import FIXED
 from npslam_teach.types import PoseGraph
+from npslam_teach.validation import checked_array
 
 VARIABLES = {"poses": "pose", "landmarks": "landmark"}  # the fields of a graph that hold variables, and one of each
 
@@ -48,11 +51,19 @@ class Unknowns:
 
 def unknowns_of(graph: PoseGraph) -> Unknowns:
     """Work out the layout of dx."""
+    fixed = (graph.fixed_poses, graph.fixed_landmarks)
+    return _unknowns(graph.poses.shape, graph.landmarks.shape, *(tuple(index.tolist()) for index in fixed))
+
+
+@lru_cache(maxsize=8)  # a solver asks again and again for that of one graph
+def _unknowns(pose_shape: tuple, landmark_shape: tuple, fixed_poses: tuple, fixed_landmarks: tuple) -> Unknowns:
     free, block, sizes, num_before = {}, {}, [], 0
-    for name, fixed in (("poses", graph.fixed_poses), ("landmarks", graph.fixed_landmarks)):
-        count, size = getattr(graph, name).shape
+    for name, (count, size), fixed in (
+        ("poses", pose_shape, fixed_poses),
+        ("landmarks", landmark_shape, fixed_landmarks),
+    ):
         is_free = np.ones(count, dtype=bool)
-        is_free[fixed] = False
+        is_free[list(fixed)] = False
         free[name], block[name] = np.flatnonzero(is_free), np.full(count, FIXED)
         block[name][is_free] = num_before + np.arange(len(free[name]))
         sizes.append(np.full(len(free[name]), size))
@@ -78,7 +89,15 @@ def retract(graph: PoseGraph, dx: np.ndarray) -> PoseGraph:
     poses[:, 2] = se2.wrap(poses[:, 2])
     as_given = graph.fixed_poses[np.abs(graph.poses[graph.fixed_poses, 2]) <= np.pi]
     poses[as_given] = graph.poses[as_given]  # to the last bit
-    return replace(graph, poses=poses, landmarks=graph.landmarks + steps["landmarks"])
+    return with_estimates(graph, poses, graph.landmarks + steps["landmarks"])
+
+
+def with_estimates(graph: PoseGraph, poses: np.ndarray, landmarks: np.ndarray) -> PoseGraph:
+    """The same factors with other poses (T, 3) and landmarks (K, 2): only these are checked, not all once more."""
+    moved = copy.copy(graph)
+    for name, estimates in (("poses", poses), ("landmarks", landmarks)):
+        object.__setattr__(moved, name, checked_array(name, estimates, getattr(graph, name).shape))
+    return moved
 
 
 def named(graph: PoseGraph, variable: str, index: int) -> str:

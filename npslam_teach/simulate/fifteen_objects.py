@@ -1,5 +1,6 @@
 """The fifteen-object scene: our own version of the paper's simulation (paper section V.A; deck figure 14)."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,7 +11,9 @@ from npslam_teach.types import GroundTruth, RobotLog, SensorModel, World
 FIFTEEN_CLASSES = ("chair", "screen", "cup", "book", "lamp")
 
 
-def fifteen_objects(seed: int = 2016, noise: float = 1.0) -> tuple[RobotLog, GroundTruth]:
+def fifteen_objects(
+    seed: int = 2016, noise: float = 1.0, class_confusion: np.ndarray | None = None
+) -> tuple[RobotLog, GroundTruth]:
     """Our own version of the paper's simulation: 15 objects, 5 classes of 3, a path that sees each several times.
 
     The seed determines both the world and the noise, so a result over many seeds is a result over many worlds. Worlds
@@ -20,9 +23,10 @@ def fifteen_objects(seed: int = 2016, noise: float = 1.0) -> tuple[RobotLog, Gro
     Args:
         seed: of ``numpy.random.default_rng``; the default is the year of the paper.
         noise: 1 is the paper's run; see ``paper_sensor``.
+        class_confusion: (5, 5), see ``SensorModel``; None: no class is ever confused, as in the paper.
     """
     rng = np.random.default_rng(seed)
-    path, sensor = designed_path(), paper_sensor(noise)
+    path, sensor = designed_path(), replace(paper_sensor(noise), class_confusion=class_confusion)
     world = scattered_world(3, FIFTEEN_CLASSES, rng)
     while num_visits(world, path, sensor).min() < 2:
         world = scattered_world(3, FIFTEEN_CLASSES, rng)

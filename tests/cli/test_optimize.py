@@ -7,6 +7,7 @@ import pytest
 from commands import call
 
 from npslam_teach import datasets
+from npslam_teach.cli import parser
 
 
 def test_optimize_prints_one_json_object(capsys, g2o_file):
@@ -51,10 +52,29 @@ def test_optimize_says_whether_its_minimum_is_the_lowest(capsys, cases_folder):
     assert (result["certificate"], result["start"]) == ("certified", "chordal")
     assert result["gap"] <= 1e-6 * result["chi2"]
     _, out, _ = call(capsys, "optimize", cases_folder / "wrong_minimum.g2o")
-    assert "certificate           certified: no other minimum is lower" in out
+    assert "certificate           certified: no other minimum is lower by more than a millionth of it" in out
 
 
 def test_optimize_for_people(capsys, g2o_file):
     code, out, _ = call(capsys, "optimize", g2o_file)
     assert code == 0
     assert "chi2" in out and "converged" in out
+
+
+@pytest.mark.parametrize("command", ["optimize", "import csv", "book", "site", "figures"])
+def test_out_is_given_once_or_refused(capsys, tmp_path, command):
+    """The first name would be forgotten without a word."""
+    first, second = tmp_path / "first.g2o", tmp_path / "second.g2o"
+    words = [*command.split(), *(["graph.g2o"] if command in ("optimize", "import csv") else [])]
+    with pytest.raises(SystemExit) as stopped:
+        parser.main([*words, "--out", str(first), "--out", str(second)])
+    assert stopped.value.code == 2
+    err = capsys.readouterr().err
+    assert err == f"npslam_teach {words[0]}: --out: expected once, got {first} and {second}\n"
+
+
+def test_a_solution_replaces_a_file_only_with_a_word(capsys, g2o_file, tmp_path):
+    out = tmp_path / "solved.g2o"
+    assert call(capsys, "optimize", g2o_file, "--out", out)[::2] == (0, "")
+    code, _, err = call(capsys, "optimize", g2o_file, "--out", out)
+    assert code == 0 and "replaces the file that is there" in err

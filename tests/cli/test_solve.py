@@ -11,6 +11,8 @@ from layouts import LOG_FIELDS
 
 from npslam_teach import datasets, evaluation, pose_graph
 from npslam_teach.association import count_votes, objective
+from npslam_teach.cli import parser, solving
+from npslam_teach.cli.method_help import MEANINGS
 from npslam_teach.methods import METHODS, paper_settings, settings_for
 
 METRICS = {
@@ -238,6 +240,39 @@ def test_solve_writes_its_result(capsys, log_file, tmp_path):
     assert pose_graph.chi2(graph) == pytest.approx(json.loads(out)["chi2"], rel=1e-9)
 
 
+def test_nothing_is_replaced_without_a_word(capsys, log_file, tmp_path):
+    out = tmp_path / "result.json"
+    assert call(capsys, "solve", log_file, "--json", "--out", out)[2] == ""
+    before = out.read_text()
+    code, _, err = call(capsys, "solve", log_file, "--alpha", "0.5", "--json", "--out", out)
+    assert code == 0 and err.startswith("npslam_teach solve: warning: --out ") and "replaces the file that is" in err
+    assert out.read_text() != before
+    pictures = tmp_path / "pictures"
+    assert call(capsys, "solve", log_file, "--figures", pictures)[2] == ""
+    assert "the folder is not empty" in call(capsys, "solve", log_file, "--figures", pictures)[2]
+
+
+@pytest.mark.parametrize("names", [("a.json", "a.json"), ("a.json", "../{}/a.json")])
+def test_one_file_cannot_be_written_twice(capsys, log_file, tmp_path, names):
+    outs = [word for name in names for word in ("--out", tmp_path / name.format(tmp_path.name))]
+    assert_one_sentence(*call(capsys, "solve", log_file, *outs), "--out", "expected every file once")
+    assert not list(tmp_path.glob("a.json"))
+
+
+@pytest.mark.parametrize("method", ["np-graph", "open-loop"])
+def test_the_truth_costs_no_second_fit(capsys, log_file, monkeypatch, method):
+    """One refit serves the score and the metrics, and gives what ``evaluate`` finds by itself."""
+    expected = json.loads(call(capsys, "solve", log_file, "--method", method, "--json")[1])
+    log, truth = datasets.load_log(log_file)
+    known = METHODS[method].settings
+    *_, last = METHODS[method](log, **{n: v for n, v in settings_for(log).items() if known.get(n) is not None})
+    own = evaluation.evaluate(last, truth, log).chi2_per_dof
+    monkeypatch.setattr("npslam_teach.evaluation.metrics.fit", None)
+    result = json.loads(call(capsys, "solve", log_file, "--method", method, "--json")[1])
+    assert result["metrics"] == expected["metrics"]
+    assert result["metrics"]["chi2_per_dof"] == result["chi2_per_dof"] == pytest.approx(own, rel=1e-9)
+
+
 def test_the_table_in_the_readme_is_a_log(capsys, tmp_path):
     (table,) = re.findall(r"```\n(kind,time.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.S)
     (tmp_path / "run.csv").write_text(table, encoding="utf-8")
@@ -300,6 +335,15 @@ def test_estimated_noise_beside_settings_that_ignore_it_is_refused(refused, log_
     assert "--estimate-noise: expected --settings sensor" in said
 
 
+def test_class_probabilities_without_effect_are_told(capsys, tmp_path):
+    log, _ = small_log()
+    path, even = tmp_path / "run.npz", np.full((log.num_observations, log.num_classes), 1 / log.num_classes)
+    datasets.save_log(path, replace(log, class_probabilities=even))
+    for method, registered in METHODS.items():
+        _, _, err = call(capsys, "solve", path, "--method", method)
+        assert ("class_probabilities of the log have no effect" in err) != registered.sees_classes
+
+
 def test_covariances_without_effect_are_told(capsys, tmp_path):
     log, _ = small_log()
     path, cov = tmp_path / "run.npz", np.tile(0.01 * np.eye(2), (log.num_observations, 1, 1))
@@ -308,3 +352,20 @@ def test_covariances_without_effect_are_told(capsys, tmp_path):
     assert "np-graph assumes one noise for all: observation_cov of the log have no effect" in err
     _, _, err = call(capsys, "solve", path, "--method", "ekf")
     assert "have no effect" not in err
+
+
+def test_help_says_what_each_option_means_for_each_method(capsys):
+    """Neither an option that a method refuses, nor one that it takes and nothing is said about."""
+    beside = {"np-graph": {"restarts"}, "ekf": {"filter-only"}, "posterior": {"samples"}}
+    for name, method in METHODS.items():
+        taken = {option.replace("_", "-") for option in method.settings if option in solving.GIVEN}
+        taken |= {"iterations"} & set(method.settings)
+        assert set(MEANINGS[name]) == taken | beside.get(name, set()), name
+    with pytest.raises(SystemExit) as stopped:
+        parser.main(["solve", "--help"])
+    out = capsys.readouterr().out
+    assert stopped.value.code == 0
+    words = " ".join(out.split())
+    for name, method in METHODS.items():
+        assert f"{name}: {method.assumes}" in words
+        assert all(f"--{option}: {meaning}" in words for option, meaning in MEANINGS[name].items())

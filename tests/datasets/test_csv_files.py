@@ -69,6 +69,28 @@ def test_a_covariance_that_is_none_or_is_not_whole_is_named(tmp_path):
         load(tmp_path, text.replace("cup,,1,0,1", "cup,,1,,1"))
 
 
+@pytest.mark.parametrize("suffix", [".csv", ".npz"])
+def test_class_probabilities_come_back(tmp_path, suffix):
+    log, truth = small_run(np.random.default_rng(0))
+    rows = np.random.default_rng(1).dirichlet(np.ones(log.num_classes), log.num_observations)
+    log = replace(log, class_probabilities=rows)
+    datasets.save_log(tmp_path / f"run{suffix}", log, truth)
+    np.testing.assert_array_equal(datasets.load_log(tmp_path / f"run{suffix}")[0].class_probabilities, rows)
+
+
+def test_class_probabilities_that_are_none_are_named(tmp_path):
+    head, *rows = SMALL.splitlines()
+    rows = [f"{row},{'' if 'observation,' not in row else '0.25 0.75'}" for row in rows]
+    text = "\n".join([f"{head},class_probabilities", *rows])
+    assert load(tmp_path, text)[0].class_probabilities.tolist() == [[0.25, 0.75]] * 3
+    with pytest.raises(ValueError, match="line 7: class_probabilities: expected 2 numbers with spaces between, got"):
+        load(tmp_path, text.replace("cup,,0.25 0.75", "cup,,0.25"))
+    with pytest.raises(ValueError, match="line 7: class_probabilities: expected a number.*'x'"):
+        load(tmp_path, text.replace("cup,,0.25 0.75", "cup,,0.25 x"))
+    with pytest.raises(ValueError, match="class_probabilities: expected rows of probabilities that sum to one"):
+        load(tmp_path, text.replace("cup,,0.25 0.75", "cup,,0.25 0.5"))
+
+
 def test_a_class_that_is_never_seen_comes_back(tmp_path):
     log, _ = small_run(np.random.default_rng(0))
     log = replace(log, num_classes=7)
@@ -221,3 +243,16 @@ def test_damaged_files_end_in_one_sentence_or_a_log(tmp_path, damaged):
             assert str(error).startswith(str(tmp_path / "run.csv")) and "\n" not in str(error)
     assert 0 < accepted < 300
     shutil.rmtree(tmp_path)
+
+
+def test_a_file_without_its_first_row_is_told_which_columns_there_are(tmp_path):
+    (tmp_path / "run.csv").write_text("odometry_std,,0.2,0.05,0.02,,\nodometry,0,1,0,0,,\n", encoding="utf-8")
+    with pytest.raises(ValueError, match=r"line 1: expected columns out of kind, time, x, .* got 'odometry_std,,0.2"):
+        datasets.load_log(tmp_path / "run.csv")
+
+
+def test_time_stamps_are_not_taken_for_poses(tmp_path):
+    rows = ["kind,time,x,y,theta,class", "odometry_std,,1,1,1,", "observation_std,,1,1,,", "odometry,1.6e9,1,0,0,"]
+    (tmp_path / "run.csv").write_text("\n".join(rows), encoding="utf-8")
+    with pytest.raises(ValueError, match=r"line 4: time: .* got '1.6e9' \(poses are counted, this is no"):
+        datasets.load_log(tmp_path / "run.csv")

@@ -222,7 +222,9 @@ def test_a_bomb_is_refused_before_it_is_unpacked(tmp_path, run):
 @pytest.mark.parametrize("moves", [1.0, 0.0])
 def test_neither_a_long_walk_nor_a_long_rest_is_a_bomb(tmp_path, moves):
     rng, count = np.random.default_rng(0), 60_000
-    log = types.RobotLog(moves * rng.normal(size=(count, 3)), [], np.zeros((0, 2)), [], 1, [1.0] * 3, [1.0] * 2)
+    log = types.RobotLog(
+        moves * rng.normal(0, [1.0, 1.0, 0.5], (count, 3)), [], np.zeros((0, 2)), [], 1, [1.0] * 3, [1.0] * 2
+    )
     np.savez_compressed(tmp_path / "run.npz", **fields_of(log))
     np.testing.assert_array_equal(datasets.load_log(tmp_path / "run.npz")[0].odometry, log.odometry)
 
@@ -599,3 +601,44 @@ def test_an_original_that_is_cut_short_or_damaged(data_folder, tmp_path, damaged
     for _ in range(60):
         path.write_bytes(original[:128] + damaged(original[128:], rng))
         assert ": expected " in message_of(path)
+
+
+def rested_log(**fields):
+    """A drive of five steps, of which nothing is seen from the last pose."""
+    odometry = np.tile([1.0, 0.0, 0.5], (5, 1))
+    seen = {"obs_time": np.arange(5), "obs_xy": np.ones((5, 2)), "obs_class": np.zeros(5, int)}
+    noise = {"odometry_std": np.full(3, 0.1), "observation_std": np.full(2, 0.1)}
+    return {"odometry": odometry, "num_classes": np.array(1)} | seen | noise | fields
+
+
+STILL = np.zeros((1, 3))
+
+
+@pytest.mark.parametrize(
+    ("fields", "words"),
+    [
+        ({}, None),
+        ({"odometry": np.tile([1.0, 0.0, -3.2], (5, 1))}, "step 0 of odometry turns by 3.2, more than half a turn"),
+        ({"odometry": np.tile([1.0, 0.0, 3.1], (5, 1))}, None),
+        ({"odometry": np.vstack([STILL, rested_log()["odometry"]])}, "the first step of odometry is zero"),
+        ({"odometry": np.vstack([rested_log()["odometry"], STILL])}, "the last step of odometry is zero"),
+        ({"odometry": np.zeros((5, 3))}, None),  # a robot may rest
+        ({"odometry": np.vstack([STILL, rested_log()["odometry"][:4]]), "obs_time": np.arange(1, 6)}, None),
+    ],
+)
+def test_what_is_more_often_a_mistake_is_said(tmp_path, recwarn, fields, words):
+    np.savez(tmp_path / "run.npz", **rested_log(**fields))
+    datasets.load_log(tmp_path / "run.npz")
+    said = [str(warning.message) for warning in recwarn]
+    assert len(said) == (words is not None) and all(words in text and "run.npz: " in text for text in said)
+
+
+def test_one_row_of_odometry_too_many_and_classes_as_real_numbers_get_a_hint(tmp_path):
+    np.savez(tmp_path / "run.npz", **rested_log(true_poses=np.zeros((5, 3))))
+    with pytest.raises(ValueError, match=r"\(6, 3\), got \(5, 3\): one pose more than steps of odometry; has that one"):
+        datasets.load_log(tmp_path / "run.npz")
+    for wrong, hint in ((np.zeros(5), True), (np.full(5, 0.5), False), (np.full(5, np.nan), False)):
+        np.savez(tmp_path / "run.npz", **rested_log(obs_class=wrong))
+        with pytest.raises(ValueError, match="obs_class: expected integers, got dtype float64") as said:
+            datasets.load_log(tmp_path / "run.npz")
+        assert (".astype(int) will do" in str(said.value)) == hint

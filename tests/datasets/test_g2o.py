@@ -303,9 +303,10 @@ WRONG = [
     (
         "EDGE_SE2_RANGE 4 7 1 1",
         8,
-        "expected one of the tags VERTEX_SE2, VERTEX_XY, EDGE_SE2, EDGE_SE2_XY, FIX, PARAMS_SE2OFFSET, got",
+        "expected landmarks measured as x y, in EDGE_SE2_XY, got 'EDGE_SE2_RANGE', which is of bearings or",
     ),
-    ("vertex_se2 8 1 1 1", 8, "expected one of the tags"),
+    ("vertex_se2 8 1 1 1", 8, "expected the tag VERTEX_SE2 in capitals"),
+    ("VERTEX_SE 8 1 1 1", 8, "expected one of the tags VERTEX_SE2, VERTEX_XY, EDGE_SE2, EDGE_SE2_XY, FIX, PARAMS_SE2"),
     ("\x00\x01\x02", 8, "expected one of the tags"),
     ("VERTEX_SE3:QUAT 8 0 0 0 0 0 0 1", 8, "expected a two-dimensional graph, got the tag 'VERTEX_SE3:QUAT'"),
     ("EDGE_SE3:QUAT 4 7", 8, "expected a two-dimensional graph, got the tag 'EDGE_SE3:QUAT'"),
@@ -431,3 +432,16 @@ def test_time_grows_in_proportion_to_the_size(tmp_path):
             runs.append(time.process_time() - start)
         seconds.append(min(runs))
     assert seconds[1] < 8 * 4 * seconds[0]  # eight times the lines; a quadratic step would make it 64
+
+
+@pytest.mark.parametrize("tag", ["EDGE_BEARING_SE2_XY", "EDGE_SE2_BEARING_XY", "EDGE_RANGE_SE2"])
+def test_bearings_are_named_as_what_they_are(tmp_path, tag):
+    (tmp_path / "a.g2o").write_text(f"VERTEX_SE2 0 0 0 0\nVERTEX_XY 1 1 1\n{tag} 0 1 0.7 1\n")
+    with pytest.raises(ValueError, match=f"line 3: expected landmarks measured as x y, in EDGE_SE2_XY, got .*{tag}"):
+        load_g2o(tmp_path / "a.g2o")
+
+
+def test_tags_in_small_letters_are_named_too(tmp_path):
+    (tmp_path / "a.g2o").write_text("vertex_se2 0 0 0 0\n")
+    with pytest.raises(ValueError, match="line 1: expected the tag VERTEX_SE2 in capitals, got 'vertex_se2'"):
+        load_g2o(tmp_path / "a.g2o")

@@ -53,8 +53,13 @@ def test_a_recording_of_mrclam_is_the_robot_that_was_written(tmp_path):
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
-        ("Barcodes", "1 2 3\n4 5 6", "Barcodes.dat: expected 2 columns, got 3"),
-        ("Robot1_Odometry", "1 2 x\n1 2 3", "Robot1_Odometry.dat: expected numbers only"),
+        ("Barcodes", "1 2 3\n4 5 6", "Barcodes.dat: line 1: expected 2 columns, got 3"),
+        ("Barcodes", "6 60\n7 60", "Barcodes.dat: expected one subject for barcode 60, got several"),
+        ("Barcodes", "6 60\n7 70.5", "Barcodes.dat: line 2: expected a whole number in column 2, got 70.5"),
+        ("Robot1_Odometry", "1 2 x\n1 2 3", "Robot1_Odometry.dat: line 1: expected numbers only, got '1 2 x'"),
+        ("Robot1_Measurement", "1 60 1 0\n2 60 -1 0", "Robot1_Measurement.dat: expected distances from 0, got -1"),
+        ("Landmark_Groundtruth", "6 0 0 1 1\n8 1 1 1 1", "expected subjects 6 to 7, each once, got 6, 8"),
+        ("Landmark_Groundtruth", "6 0 0 1 1\n6 1 1 1 1", "expected subjects 6 to 7, each once, got 6, 6"),
         ("Robot1_Odometry", "# nothing", "Robot1_Odometry.dat: expected at least two lines of numbers, got 0"),
         ("Robot1_Measurement", "1 60 1 0\n2 60 1 0", "expected a landmark in view while the robot drives"),
         (
@@ -70,6 +75,28 @@ def test_a_recording_that_is_not_one_is_refused_in_a_sentence(tmp_path, refused,
     (tmp_path / f"{name}.dat").write_text(text, encoding="utf-8")
     assert words in refused("import", "mrclam", tmp_path, "--out", tmp_path / "run.npz")
     assert not (tmp_path / "run.npz").exists()
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "latin-1"])
+def test_other_encodings_are_refused_and_a_mark_of_utf_8_is_not(tmp_path, refused, encoding):
+    write_mrclam(tmp_path)
+    file = tmp_path / "Barcodes.dat"
+    text = "# caf\u00e9\n" + file.read_text(encoding="utf-8")
+    file.write_text(text, encoding="utf-8-sig")
+    datasets.load_mrclam(tmp_path)
+    file.write_text(text, encoding=encoding)
+    assert "Barcodes.dat: expected text in UTF-8" in refused(
+        "import", "mrclam", tmp_path, "--out", tmp_path / "run.npz"
+    )
+    assert f"{file}: expected a folder, got a file" in refused("import", "mrclam", file, "--out", tmp_path / "run.npz")
+
+
+def test_a_graph_without_information_is_refused(tmp_path, refused):
+    graph = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nVERTEX_XY 2 1 1\n"
+    graph += "EDGE_SE2 0 1 1 0 0 0 0 0 0 0 0\nEDGE_SE2_XY 0 2 1 1 1 0 1\n"
+    (tmp_path / "graph.g2o").write_text(graph, encoding="utf-8")
+    said = refused("import", "victoria-park", tmp_path / "graph.g2o", "--out", tmp_path / "run.npz")
+    assert "graph.g2o: expected information above 0, got a median of 0" in said
 
 
 def test_a_missing_file_is_named(tmp_path, refused):

@@ -179,3 +179,32 @@ def test_degrees_of_freedom_counted_by_hand(fixed_poses, fixed_landmarks, unknow
     poses = [[0, 0, 0], [1, 0, 0], [2, 0, 0]]
     graph = PoseGraph(poses, [[2.0, 0.0]], steps, seen, fixed_poses, fixed_landmarks)
     assert evaluation.chi2_per_dof(graph) == pytest.approx(0.25 / (12 - unknowns))
+
+
+def split_in_two(runs, choose):
+    """chi2 scores of each run after every true object is cut in two by ``choose(xy_world, of_the_object)``."""
+    scores = []
+    for seed in runs:
+        log, truth = simulate.fifteen_objects(seed)
+        off = se2.apply(truth.poses[log.obs_time], log.obs_xy) - truth.world.object_xy[truth.obs_object]
+        labels = np.unique(2 * truth.obs_object + choose(off), return_inverse=True)[1]
+        scores.append(evaluation.chi2_score(pose_graph.fit(log, labels, truth.poses)))
+    return np.array(scores)
+
+
+def test_chi2_score_has_both_tails():
+    """Splits that do not look at the noise are silent; splits by where the noise points lower chi2, and it shows."""
+    blind = split_in_two(range(3), lambda off: np.arange(len(off)) % 2)
+    by_side = split_in_two(range(3), lambda off: off[:, 0] > 0)
+    assert np.all(np.abs(blind) < 3.5)
+    assert np.all(by_side < -5)
+
+
+def test_chi2_score_by_hand():
+    """Twelve numbers, eight unknowns, chi2 of 0.25: (0.25 - 4) / sqrt(8); no degrees of freedom, no score."""
+    steps = BetweenFactors([0, 1], [1, 2], [[1.0, 0, 0]] * 2, [np.eye(3)] * 2)
+    seen = ObservationFactors([0, 1, 2], [0, 0, 0], [[2.0, 0.5], [1.0, 0.0], [0.0, 0.0]], [np.eye(2)] * 3)
+    graph = PoseGraph([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[2.0, 0.0]], steps, seen)
+    assert evaluation.chi2_score(graph) == pytest.approx((0.25 - 4) / math.sqrt(8))
+    once = ObservationFactors([0], [0], [[2.0, 0.5]], [np.eye(2)])
+    assert math.isnan(evaluation.chi2_score(replace(graph, observations=once)))

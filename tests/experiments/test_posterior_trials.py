@@ -8,7 +8,7 @@ import pytest
 
 from npslam_teach import simulate
 from npslam_teach.experiments import Scene, posterior_trials
-from npslam_teach.experiments.posterior_trials import summary, trial
+from npslam_teach.experiments.posterior_trials import summary, told_the_map, trial
 from npslam_teach.methods.snapshots import snapshot
 from npslam_teach.pose_graph import fit
 from npslam_teach.types import GroundTruth, World
@@ -52,11 +52,11 @@ def taken_for_one(log):
 
 def test_the_summary_counts():
     rows = [
-        {"noise": 2.0, "right": True, "verdict": "right", "seconds": 1.0},
-        {"noise": 2.0, "right": False, "verdict": "data", "seconds": 2.0},
+        {"noise": 2.0, "right": True, "verdict": "right", "told": 1.0, "seconds": 1.0},
+        {"noise": 2.0, "right": False, "verdict": "data", "told": 0.98, "seconds": 2.0},
     ]
     assert summary(rows).startswith("noise 2: right 1 of 2 (95%: 0.095 to 0.905)")
-    assert "search 0, data 1; median 1.50 s" in summary(rows)
+    assert "search 0, data 1; told the map: 1; median 1.50 s" in summary(rows)
 
 
 @pytest.mark.slow
@@ -64,3 +64,15 @@ def test_the_command_prints_a_line_for_each_noise(monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["trials", "--noise", "1", "--seeds", "1"])
     posterior_trials.main()
     assert capsys.readouterr().out.startswith("noise 1: right ")
+
+
+def test_told_the_map_asks_for_what_the_map_can_say():
+    """Chairs 3 m apart are told apart by any map; of two in one place none says which was seen."""
+    rng = np.random.default_rng(0)
+    for apart, attainable in ((3.0, True), (0.0, False)):
+        log, _ = simulate.toy_objects()
+        places = np.where(np.arange(8)[:, None] < 4, [2.0, -apart / 2], [2.0, apart / 2])
+        log = of_two_chairs(log, places + rng.normal(0, 0.02, (8, 2)))
+        log = replace(log, odometry_std=np.full(3, 1e-6))  # or every pose would lean towards the answer
+        told = told_the_map(Scene("room", 0, 1.0, log, two_chairs(np.repeat([1, 0], 4), apart)))
+        assert (told == 1.0) == attainable, (apart, told)

@@ -251,3 +251,29 @@ def test_damping_does_not_depend_on_the_unit_of_length(start):
         assert [each.damping for each in others] == [each.damping for each in steps]
         np.testing.assert_allclose([each.chi2 for each in others], [each.chi2 for each in steps], rtol=1e-6)
     assert max(each.damping for each in steps) > 0
+
+
+def test_the_last_step_uses_the_factors_of_the_one_before():
+    """One matrix fewer than there are steps; the end is as close to the minimum as with a matrix for every step."""
+    graph = random_graph(1, start_noise=0.1)
+    structure = linearization.graph_structure(graph)
+    factorize, matrices = factorization.factorizer(structure), []
+
+    def counted(data):
+        matrices.append(None if data is None else id(data))
+        return factorize(data)
+
+    steps = list(levenberg_marquardt(graph, 1e-6, system=factorization.LinearSystem(structure, counted)))
+    assert steps[-1].converged and matrices[-1] is None
+    exact = list(levenberg_marquardt(steps[-1].graph, 1e-15))[-1]
+    assert steps[-1].chi2 <= exact.chi2 * (1 + 1e-11)
+    np.testing.assert_allclose(steps[-1].graph.poses, exact.graph.poses, atol=1e-6)
+
+
+def test_a_last_step_that_brings_more_than_was_foreseen_is_not_the_last(monkeypatch):
+    """Half of it is left: the solver goes on until nothing is."""
+    graph = random_graph(1, start_noise=0.1)
+    least = list(levenberg_marquardt(graph, 1e-13))[-1].chi2
+    monkeypatch.setattr(MODULE, "_next_reduction", lambda previous, reduction: 0.0)
+    steps = list(levenberg_marquardt(graph, 1e-9))
+    assert steps[-1].converged and steps[-1].chi2 == pytest.approx(least, rel=1e-6)

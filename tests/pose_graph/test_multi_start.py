@@ -105,3 +105,25 @@ def test_every_start_that_was_tried_is_reported(cases_folder):
     assert min(optimum.chi2_by_start.values()) == optimum.certificate.chi2 == optimum.iterations[-1].chi2
     assert chi2(optimum.graph) == pytest.approx(optimum.certificate.chi2, rel=1e-12)
     assert list(levenberg_marquardt(graph))[-1].chi2 > optimum.certificate.chi2
+
+
+@pytest.mark.parametrize("fixed", [range(20), [0]])
+def test_a_graph_with_nothing_to_solve_is_solved(fixed):
+    """All poses held still; or one pose alone, and no factor."""
+    graph = random_graph(0, num_poses=20, num_landmarks=0)
+    graph = replace(graph, poses=np.column_stack([graph.poses[:, :2], se2.wrap(graph.poses[:, 2])]))
+    if len(fixed) == 1:
+        nothing = BetweenFactors([], [], np.zeros((0, 3)), np.zeros((0, 3, 3)))
+        graph = replace(graph, poses=graph.poses[:1], between=nothing)
+    graph = replace(graph, fixed_poses=list(fixed))
+    optimum = pose_graph.certified_minimum(graph)
+    np.testing.assert_array_equal(optimum.graph.poses, graph.poses)
+    assert optimum.iterations[-1].converged and optimum.certificate.status == "certified"
+
+
+def test_far_from_the_origin_a_graph_of_two_poses_gets_an_answer():
+    """The rounding of numbers of 1e14 m is no proof of anything, and no reason to stop."""
+    step = BetweenFactors([0], [1], [[1.0, 0, 0]], [np.eye(3)])
+    graph = PoseGraph([[1e14, 1e14, 0], [1e14 + 1, 1e14, 0]], np.zeros((0, 2)), step, NOTHING_SEEN)
+    optimum = pose_graph.certified_minimum(graph)
+    assert optimum.certificate.chi2 == 0 and np.isfinite(optimum.certificate.gap)

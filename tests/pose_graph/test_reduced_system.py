@@ -1,5 +1,6 @@
 """A pose graph without its poses: its chi2 is that of the linear problem in which the poses are free."""
 
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -52,3 +53,12 @@ def test_a_linear_problem_has_the_chi2_of_the_solver():
 def test_what_is_fixed_but_pose_0_is_refused(graph):
     with pytest.raises(ValueError, match="graph: expected pose 0 to be fixed and nothing else"):
         reduced_system(replace(graph, fixed_landmarks=(0,)))
+
+
+@pytest.mark.parametrize("stretch", [3, 21, 192, 10_000])
+def test_stretches_of_a_chain_add_up_to_the_schur_complement(graph, stretch, monkeypatch):
+    """By dense matrices; whatever the length of the stretches, that of a single pose among them."""
+    monkeypatch.setattr(sys.modules[reduced_system.__module__], "STRETCH", stretch)
+    h, num = linearize(graph)[0].toarray(), 3 * (len(graph.poses) - 1)
+    schur = h[num:, num:] - h[num:, :num] @ np.linalg.solve(h[:num, :num], h[:num, num:])
+    np.testing.assert_allclose(reduced_system(graph).information, schur, rtol=1e-7, atol=1e-7 * np.abs(schur).max())

@@ -96,6 +96,7 @@ def test_the_log_holds_no_identity():
         "class_names",
         "odometry_cov",
         "observation_cov",
+        "class_probabilities",
     }
     same_frame = np.diff(log.obs_time) == 0
     falls = np.diff(truth.obs_object)[same_frame] < 0

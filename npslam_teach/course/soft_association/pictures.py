@@ -1,0 +1,127 @@
+"""Pictures of lesson 13: pairs and their probabilities, beliefs, EM on a line, and runs over the share of errors."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from npslam_teach.course.soft_association import table
+from npslam_teach.experiments.confused_classes import SHARES
+from npslam_teach.plotting.style import (
+    CLASS_COLORS,
+    CLASS_MARKERS,
+    ESTIMATE_COLOR,
+    TEXT_SIZE,
+    TRUTH_LINE,
+    class_style,
+    label_axes,
+    legend_beside,
+    method_style,
+)
+
+LOOKS = {
+    "np-graph": method_style("np-graph"),
+    "ekf hard": {"color": CLASS_COLORS[1], "marker": "s", "linestyle": "--"},
+    "ekf": method_style("ekf"),
+    "soft-em": method_style("soft-em"),
+    "max-mixture": {"color": CLASS_COLORS[5], "marker": CLASS_MARKERS[6], "linestyle": "--"},
+    "overconfident": method_style("soft-em") | {"linestyle": "-.", "marker": "v"},
+    "true identities": TRUTH_LINE | {"marker": "s"},
+}
+QUANTITIES = {
+    "objects": "objects (number, log scale)",
+    "ari_used": "ARI of what is used (1 = perfect)",
+    "pose_error": "mean pose error (m, log scale)",
+}
+
+
+def plot_pairs(ax: Axes, seen: np.ndarray, objects: np.ndarray, probability: np.ndarray, title: str) -> Axes:
+    """Observations and objects of one frame; a line for every pair, as wide as it is probable, with its number.
+
+    Args:
+        ax: a map.
+        seen: (m, 2) m, where the observations are.
+        objects: (K, 2) m.
+        probability: (m, K) of the pairs.
+        title: of the plot.
+    """
+    color, marker = class_style(0)
+    for (k, j), share in np.ndenumerate(probability):
+        line = np.array([seen[k], objects[j]])
+        ax.plot(*line.T, color=ESTIMATE_COLOR, linewidth=8 * share, alpha=0.55, solid_capstyle="butt", zorder=1)
+        at = line[0] + (0.34 + 0.26 * (j % 2)) * (line[1] - line[0])
+        box = {"facecolor": "white", "edgecolor": "none", "pad": 1.2, "alpha": 0.85}
+        ax.text(*at, f"{share:.2f}", ha="center", va="center", fontsize=TEXT_SIZE["tick"], bbox=box, zorder=3)
+    ax.plot(*objects.T, marker, color=color, markersize=18, markeredgecolor=ESTIMATE_COLOR, label="objects", zorder=2)
+    ax.plot(*seen.T, "x", color=ESTIMATE_COLOR, markersize=12, markeredgewidth=2.5, label="observations", zorder=4)
+    for name, places in (("chair", objects), ("obs", seen)):
+        for k, xy in enumerate(places):
+            below = name == "chair"
+            style = {"ha": "center", "va": "top" if below else "bottom", "fontsize": TEXT_SIZE["label"]}
+            ax.annotate(f"{name} {k + 1}", xy, (0, -14 if below else 10), textcoords="offset points", **style)
+    ax.margins(0.25, 0.35)
+    ax.set_aspect("equal", "datalim")
+    return label_axes(ax, "x (m)", "y (m)", title)
+
+
+def plot_beliefs(ax: Axes, beliefs: np.ndarray, class_names, title: str) -> Axes:
+    """What an object is, report by report: one line for every class.
+
+    Args:
+        ax: any axes.
+        beliefs: (N+1, C) probabilities, before the first report and after each.
+        class_names: (C,).
+        title: of the plot.
+    """
+    for c, name in enumerate(class_names):
+        color, marker = class_style(c)
+        ax.plot(beliefs[:, c], color=color, marker=marker, markersize=8, label=name)
+    ax.set(ylim=(-0.04, 1.04))
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+    legend_beside(ax)
+    return label_axes(ax, "reports (number)", "probability", title)
+
+
+def plot_em(ax: Axes, rounds: list[np.ndarray], seen: np.ndarray, title: str) -> Axes:
+    """EM on a line: where the objects are, round by round, and the observations as grey lines.
+
+    Args:
+        ax: any axes.
+        rounds: of (K,) m, the places of the objects.
+        seen: (M,) m.
+        title: of the plot.
+    """
+    for x in seen:
+        ax.axvline(x, color="0.75", linewidth=1.2, zorder=0)
+    for k, places in enumerate(np.array(rounds).T):
+        color, marker = class_style(k)
+        ax.plot(places, np.arange(len(places)), color=color, marker=marker, markersize=9, label=f"object {k + 1}")
+    ax.invert_yaxis()
+    ax.yaxis.set_major_locator(MaxNLocator(integer=True))
+    legend_beside(ax)
+    return label_axes(ax, "x (m); grey: observations", "round (number)", title)
+
+
+def plot_runs(ax: Axes, quantity: str, cases: tuple) -> Axes:
+    """A quantity over the share of wrong reports: medians of all rooms, bars from the 10th to the 90th percentile.
+
+    Args:
+        ax: any axes.
+        quantity: of QUANTITIES.
+        cases: of the table.
+    """
+    for k, case in enumerate(cases):
+        values = [table.column(quantity, case, share) for share in SHARES]
+        low, middle, high = np.array([np.percentile(each, (10, 50, 90)) for each in values]).T
+        # Shifted sideways a little, so that no bar covers another.
+        x = 100 * np.array(SHARES) + 0.7 * (k - (len(cases) - 1) / 2)
+        ax.errorbar(x, middle, [middle - low, high - middle], capsize=3, markersize=8, label=case, **LOOKS[case])
+    if quantity != "ari_used":
+        ax.set_yscale("log")
+        ax.yaxis.set_major_formatter("{x:g}")
+    if quantity == "objects":
+        ax.set_yticks([10, 15, 20, 50, 100])
+    if quantity == "pose_error":
+        ax.set_yticks([0.05, 0.1, 0.2, 0.5, 1.0])
+    ax.yaxis.set_minor_formatter("")
+    ax.set_xticks([100 * share for share in SHARES])
+    return label_axes(ax, "wrong reports (%)", QUANTITIES[quantity])

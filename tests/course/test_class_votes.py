@@ -80,7 +80,7 @@ def test_mistakes_in_class_posteriors_are_named(answer, message):
         (lambda v, e: v[:, 0] > e, "the vote itself"),
         (lambda v, e: 1 / v[:, 1:].sum(axis=1) > e, "not 1 / m"),
         (lambda v, e: 1 / (1 + v[:, 1:].max(axis=1)) > e, "most common class"),
-        (lambda v, e: np.zeros(5, dtype=bool), "the answer should be"),
+        (lambda v, e: np.zeros(len(v), dtype=bool), "the answer should be"),
         (lambda v, e: class_posterior(v)[:, 0], "True or False"),
     ],
 )

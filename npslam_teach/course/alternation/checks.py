@@ -224,6 +224,7 @@ def check_kept(student: Callable) -> Verdict:
             v[:, 0] / v[:, 1:].sum(axis=1) <= e
         ),
         "the vote against is not yet a probability: divide by the votes of the object": lambda v, e: v[:, 0] <= e,
+        "every object stays, whatever its votes": lambda v, e: np.ones(len(v)),
         "you divided by the votes of all objects, not by those of each": lambda v, e: v[:, 0] / v.sum() <= e,
         "column 0 holds the votes against the object, you looked at column 1": lambda v, e: (
             v[:, 1] / v.sum(axis=1) <= e
@@ -231,7 +232,7 @@ def check_kept(student: Callable) -> Verdict:
     }
     rng, trials = fresh(), []
     # Each object has one vote against it, as the lesson says. At powers of two it can be exactly at epsilon.
-    for epsilon in (0.5, 0.4, 0.3, 0.25, 0.125, *rng.uniform(0.05, 0.6, 15)):
+    for epsilon in (0.5, 0.4, 0.3, 0.25, 0.125, 0.02, *rng.uniform(0.05, 0.6, 15)):
         votes = rng.integers(0, 4, (8, 4)).astype(float)
         votes[:, 0], votes[:, 1], votes[:3, 1:] = 1.0, 1.0 + votes[:, 1], [[1, 0, 0], [0, 2, 1], [3, 0, 4]]
         trials.append((votes, float(epsilon)))

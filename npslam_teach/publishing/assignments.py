@@ -84,12 +84,11 @@ def write_assignments(notebooks: Path, numbers: list[str], out: Path, only_stude
     config = out / "nbgrader_config.py"
     if not only_student and not config.exists():
         texts[config] = NBGRADER_CONFIG
-    for path in texts:
-        if path.exists():
-            raise ValueError(
-                f"{path}: expected no file of that name, found one that may hold somebody's work: "
-                "move it away or choose another --out"
-            )
+    for path in filter(Path.exists, texts):
+        raise ValueError(
+            f"{path}: expected no file of that name, found one that may hold somebody's work: "
+            "move it away or choose another --out"
+        )
     for path, text in texts.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(path) as stream:

@@ -365,7 +365,7 @@ def test_mistakes_in_the_alternation(wrong, named):
         (lambda v, e: v[:, 0] <= e, "not yet a probability"),
         (lambda v, e: v[:, 0] / v.sum() <= e, "votes of all objects"),
         (lambda v, e: v[:, 1] / v.sum(axis=1) <= e, "column 1"),
-        (lambda v, e: np.ones(len(v), dtype=bool), ""),
+        (lambda v, e: np.ones(len(v), dtype=bool), "every object stays"),
     ],
 )
 def test_mistakes_in_what_is_kept(wrong, named):

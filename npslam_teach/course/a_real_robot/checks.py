@@ -6,17 +6,15 @@ from functools import partial
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.course.a_real_robot.mistakes import from_the_beginning, steps_added
+from npslam_teach.course.a_real_robot.check_inputs import first_of_each_pass_inputs, growth_inputs
 from npslam_teach.course.checking import Verdict
-from npslam_teach.course.trials import Part, check_function, exactly, fresh
+from npslam_teach.course.comparing import exactly
+from npslam_teach.course.trials import Part, check_function, fresh
 from npslam_teach.datasets.recordings import FIRST_LANDMARK
 
 
 def check_hidden(hidden: Callable) -> Verdict:
     """Exercise 1: ``hidden(codes, barcodes, num_classes)``, the class of every sighting (m,), -1 for a robot."""
-
-    def truth(codes, barcodes, num_classes):
-        return variant(codes, barcodes, num_classes)
 
     def variant(codes, barcodes, num_classes, first=FIRST_LANDMARK, robots=True, wrapped=True, looked_up=True):
         subject = {int(code): int(number) for number, code in barcodes}
@@ -50,14 +48,11 @@ def check_hidden(hidden: Callable) -> Verdict:
         "with more classes than landmarks": [(codes, barcodes, 40)],
     }
     praise = "what a thing is stays in the log, and which one it is leaves it"
-    return check_function(hidden, truth, Part("your classes", mistakes, exactly), trials, edges, praise)
+    return check_function(hidden, variant, Part("your classes", mistakes, exactly), trials, edges, praise)
 
 
 def check_lag_one(lag_one: Callable) -> Verdict:
     """Exercise 2: ``lag_one(errors, passes)``, a correlation."""
-
-    def truth(errors, passes):
-        return variant(errors, passes)
 
     def variant(off, passes, only_same=True, root=False, over_all=True, mean=True, centred=False, lag=1):
         off = off - off.mean() if centred else off
@@ -94,14 +89,11 @@ def check_lag_one(lag_one: Callable) -> Verdict:
         "with passes that are numbered otherwise": [(errors, 100 - 7 * passes)],
     }
     praise = "0 for errors that know nothing of each other, near 1 for errors that last"
-    return check_function(lag_one, truth, Part("your correlation", mistakes), trials, edges, praise)
+    return check_function(lag_one, variant, Part("your correlation", mistakes), trials, edges, praise)
 
 
 def check_growth(growth: Callable) -> Verdict:
     """Exercise 3: ``growth(odometry, poses, n)``, (3,) m, m, rad."""
-
-    def truth(odometry, poses, n):
-        return variant(odometry, poses, n)
 
     def variant(odometry, poses, n, wrapped=True, frames=True, power=0.5, centred=False, every=1):
         wheels = se2.dead_reckoning(odometry)
@@ -122,7 +114,7 @@ def check_growth(growth: Callable) -> Verdict:
         "every stretch of n steps counts, wherever it begins": lambda odometry, poses, n: variant(
             odometry, poses, n, every=n
         ),
-        "steps do not add up number by number: each is seen from the pose before it (se2.dead_reckoning)": steps_added,
+        "steps do not add up number by number: each is seen from the pose before it (se2.dead_reckoning)": _steps_added,
         "this is the error of single steps, times the root of n; look at what n steps together really err by": (
             lambda odometry, poses, n: np.sqrt(n) * variant(odometry, poses, 1)
         ),
@@ -130,26 +122,8 @@ def check_growth(growth: Callable) -> Verdict:
             se2.dead_reckoning(odometry, poses[0])[n] - poses[n]
         ),
     }
-    trials = _drives(fresh())
-    odometry, poses, _ = trials[0]
-    edges = {
-        "with single steps": [(odometry, poses, 1)],
-        "with a single stretch, the whole path": [(odometry, poses, len(odometry))],
-        "with wheels that do not err": [(odometry, se2.dead_reckoning(odometry), 4)],
-    }
     part = Part("your error", mistakes, _rms)
-    return check_function(growth, truth, part, trials, edges, "in a random walk this grows with the root of n")
-
-
-def _drives(rng: np.random.Generator) -> list[tuple]:
-    """Odometry that errs, the true path, and a number of steps."""
-    trials = []
-    for n in (2, 5, 10):
-        steps = np.column_stack([rng.uniform(0.05, 0.15, 40), rng.normal(0, 0.01, 40), rng.normal(0.2, 0.3, 40)])
-        poses = se2.dead_reckoning(steps, (1.0, 2.0, 3.0))
-        bias = np.array([0.01, 0.0, 0.03])
-        trials.append((steps + bias + rng.normal(size=(40, 3)) * (0.01, 0.005, 0.3), poses, n))
-    return trials
+    return check_function(growth, variant, part, *growth_inputs(), "in a random walk this grows with the root of n")
 
 
 def _rms(answer: np.ndarray, truth, tolerance: float) -> bool:
@@ -159,9 +133,6 @@ def _rms(answer: np.ndarray, truth, tolerance: float) -> bool:
 
 def check_share_outside(share_outside: Callable) -> Verdict:
     """Exercise 4: ``share_outside(off, std, gate)``, a share."""
-
-    def truth(off, std, gate):
-        return variant(off, std, gate)
 
     def variant(off, std, gate, squared=True, std_power=1, both=True, inside=False, chi=None):
         scaled = off / std**std_power
@@ -192,7 +163,7 @@ def check_share_outside(share_outside: Callable) -> Verdict:
         "with errors far beyond": [(np.full((4, 2), 50.0), std, 0.99)],
     }
     praise = "where it is far above one minus the gate, something else than the sensor's noise is at work"
-    return check_function(share_outside, truth, Part("your share", mistakes), trials, edges, praise)
+    return check_function(share_outside, variant, Part("your share", mistakes), trials, edges, praise)
 
 
 def _one_number(gate: float) -> float:
@@ -203,9 +174,6 @@ def _one_number(gate: float) -> float:
 
 def check_first_of_each_pass(first_of_each_pass: Callable) -> Verdict:
     """Exercise 5: ``first_of_each_pass(labels, times, gap)``, (M,) bool."""
-
-    def truth(labels, times, gap):
-        return variant(labels, times, gap)
 
     def variant(labels, times, gap, beyond=0, by_object=True, left_out=False, begin=True):
         chosen = np.zeros(len(labels), dtype=bool)
@@ -230,21 +198,27 @@ def check_first_of_each_pass(first_of_each_pass: Callable) -> Verdict:
         "these are the others: True for those that are the first": lambda labels, times, gap: (
             ~variant(labels, times, gap)
         ),
-        "count the gap from the sighting before, not from where the pass began": from_the_beginning,
-    }
-    rng, trials = fresh(), []
-    for gap in (3, 10, 5, 2):
-        count = 40
-        times = np.cumsum(rng.choice([1, gap, gap, gap + 1], count))  # no two sightings of an object in one frame
-        labels = rng.choice([-1, 0, 1, 1, 1], count)
-        order = rng.permutation(count)
-        trials.append((labels[order], times[order], gap))
-    nobody = np.empty(0, dtype=int)
-    edges = {
-        "with no sighting": [(nobody, nobody, 5)],
-        "with labels of -1 alone": [(np.full(4, -1), np.array([3, 1, 50, 9]), 5)],
-        "with a single sighting": [(np.zeros(1, dtype=int), np.array([7]), 5)],
-        "with large numbers for objects": [(np.array([900, 5, 900, 900]), np.array([1, 2, 3, 40]), 5)],
+        "count the gap from the sighting before, not from where the pass began": _from_the_beginning,
     }
     praise = "what is the same for a whole pass is now counted once"
-    return check_function(first_of_each_pass, truth, Part("your choice", mistakes, exactly), trials, edges, praise)
+    return check_function(
+        first_of_each_pass, variant, Part("your choice", mistakes, exactly), *first_of_each_pass_inputs(), praise
+    )
+
+
+def _steps_added(odometry, poses, n) -> np.ndarray:
+    """The numbers of n steps added up, as if none of them turned."""
+    added = np.vstack([np.zeros(3), np.cumsum(odometry, axis=0)])
+    off = added[n:] - added[:-n] - se2.between(poses[:-n], poses[n:])
+    off[:, 2] = se2.wrap(off[:, 2])
+    return np.sqrt(np.mean(off**2, axis=0))
+
+
+def _from_the_beginning(labels, times, gap) -> np.ndarray:
+    """A pass that ends so many poses after it began, however often the object was seen meanwhile."""
+    chosen, began = np.zeros(len(labels), dtype=bool), {}
+    for m in np.argsort(times, kind="stable"):
+        k = int(labels[m])
+        if k >= 0 and times[m] - began.get(k, -(10**9)) > gap:
+            chosen[m], began[k] = True, times[m]
+    return chosen

@@ -8,7 +8,8 @@ import numpy as np
 
 from npslam_teach import association, se2, simulate
 from npslam_teach.course.checking import Verdict, as_array, wrong
-from npslam_teach.course.trials import Part, check_function, exactly, fresh, grouped_alike
+from npslam_teach.course.comparing import exactly, grouped_alike
+from npslam_teach.course.trials import Part, check_function, fresh
 from npslam_teach.methods.snapshots import PAPER_ODOMETRY_STD, initial_snapshot
 from npslam_teach.pose_graph import chi2, optimize, with_associations
 from npslam_teach.types import PoseGraph, RobotLog
@@ -46,6 +47,13 @@ def check_objective(student: Callable) -> Verdict:
         ),
         "the sign is turned round: the objective is minus the log probability": lambda *t: -truth(*t),
     }
+    hint = "the number differs from minus the log probability; check the three terms one at a time"
+    praise = "this is the number that falls, whichever half-step is taken"
+    return check_function(student, truth, Part("the objective", mistakes, hint=hint), *_objective_inputs(), praise)
+
+
+def _objective_inputs() -> tuple[list, dict]:
+    """Arguments of ``check_objective``: its trials, and its edges by the situation."""
     rng, trials = fresh(), []
     for rows, columns in ((4, 4), (3, 5), (6, 3), (2, 4), (4, 4)):
         votes = rng.integers(0, 6, (rows, columns)).astype(float)
@@ -58,9 +66,7 @@ def check_objective(student: Callable) -> Verdict:
         "with one object, seen once": [(2.0, np.array([[1.0, 1.0, 0.0]]), 0.5, 20.0)],
         "with hundreds of votes or more, where (m - 1)! is too large a number": [(9.0, many, 0.5, 20.0)],
     }
-    hint = "the number differs from minus the log probability; check the three terms one at a time"
-    praise = "this is the number that falls, whichever half-step is taken"
-    return check_function(student, truth, Part("the objective", mistakes, hint=hint), trials, edges, praise)
+    return trials, edges
 
 
 def check_votes_of_others(student: Callable) -> Verdict:
@@ -218,6 +224,7 @@ def check_kept(student: Callable) -> Verdict:
             v[:, 0] / v[:, 1:].sum(axis=1) <= e
         ),
         "the vote against is not yet a probability: divide by the votes of the object": lambda v, e: v[:, 0] <= e,
+        "every object stays, whatever its votes": lambda v, e: np.ones(len(v)),
         "you divided by the votes of all objects, not by those of each": lambda v, e: v[:, 0] / v.sum() <= e,
         "column 0 holds the votes against the object, you looked at column 1": lambda v, e: (
             v[:, 1] / v.sum(axis=1) <= e
@@ -225,7 +232,7 @@ def check_kept(student: Callable) -> Verdict:
     }
     rng, trials = fresh(), []
     # Each object has one vote against it, as the lesson says. At powers of two it can be exactly at epsilon.
-    for epsilon in (0.5, 0.4, 0.3, 0.25, 0.125, *rng.uniform(0.05, 0.6, 15)):
+    for epsilon in (0.5, 0.4, 0.3, 0.25, 0.125, 0.01, *rng.uniform(0.05, 0.6, 15)):
         votes = rng.integers(0, 4, (8, 4)).astype(float)
         votes[:, 0], votes[:, 1], votes[:3, 1:] = 1.0, 1.0 + votes[:, 1], [[1, 0, 0], [0, 2, 1], [3, 0, 4]]
         trials.append((votes, float(epsilon)))

@@ -7,7 +7,9 @@ import numpy as np
 from npslam_teach import association
 from npslam_teach.association import class_posterior
 from npslam_teach.course.checking import Verdict
-from npslam_teach.course.trials import Part, check_function, close, exactly, fresh
+from npslam_teach.course.class_votes.check_inputs import count_votes_inputs
+from npslam_teach.course.comparing import close, exactly
+from npslam_teach.course.trials import Part, check_function, fresh
 
 
 def check_count_votes(function: Callable) -> Verdict:
@@ -41,23 +43,9 @@ def check_count_votes(function: Callable) -> Verdict:
         "the column of the false-positive vote is missing: C classes need C + 1 columns": lambda *t: truth(*t)[:, 1:],
         "rows and columns are exchanged: one row for each object": lambda *t: truth(*t).T,
     }
-    rng, trials = fresh(), []
-    for num_objects, num_classes in ((4, 2), (3, 5), (2, 2), (5, 3)):
-        labels = np.append(rng.integers(-1, num_objects, 14), [-1, 0, 0])
-        obs_class = np.append(rng.integers(0, num_classes, 14), [0, 1, 1])
-        trials.append((labels, obs_class, num_objects, num_classes))
-    labels, obs_class, num_objects, num_classes = trials[0]
-    none = np.empty(0, dtype=int)
-    edges = {
-        "with objects and classes that nobody has seen": [(labels, obs_class, num_objects + 2, num_classes + 3)],
-        "with labels of -1 alone": [(np.full(5, -1), rng.integers(0, 2, 5), 3, 2)],
-        "with no sighting at all": [(none, none, 2, 3)],
-        "with no object": [(np.full(4, -1), np.zeros(4, dtype=int), 0, 2)],
-        "with thousands of sightings": [(rng.integers(-1, 2, 5000), rng.integers(0, 2, 5000), 2, 2)],
-    }
     part = Part("the votes", mistakes, exactly, hint=lambda a, _: f"some count is off: they add up to {a[0].sum():g}")
     praise = "every row is one object's beta, and the first column doubts that there is anything at all"
-    return check_function(function, truth, part, trials, edges, praise)
+    return check_function(function, truth, part, *count_votes_inputs(), praise)
 
 
 def check_class_posterior(function: Callable) -> Verdict:

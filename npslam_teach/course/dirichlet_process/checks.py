@@ -9,7 +9,8 @@ import numpy as np
 from npslam_teach import association
 from npslam_teach.association import association_weights, expected_num_objects
 from npslam_teach.course.checking import Verdict, as_array, wrong
-from npslam_teach.course.trials import Part, check_function, exactly, fresh, grouped_alike
+from npslam_teach.course.comparing import exactly, grouped_alike
+from npslam_teach.course.trials import Part, check_function, fresh
 
 
 def check_weights(function: Callable) -> Verdict:

@@ -7,7 +7,8 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.course.checking import Verdict
-from npslam_teach.course.trials import Part, check_function, close, fresh
+from npslam_teach.course.comparing import close
+from npslam_teach.course.trials import Part, check_function, fresh
 
 NOT_WRAPPED = "the angle is not wrapped: one direction has two numbers, keep the one from -180 up to 180 degrees"
 NOT_TURNED = "nothing is turned: 'forward' and 'left' are the robot's directions, not the room's"

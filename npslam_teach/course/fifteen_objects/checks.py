@@ -6,7 +6,8 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.course.checking import Verdict
-from npslam_teach.course.trials import Part, check_function, close, fresh
+from npslam_teach.course.comparing import close
+from npslam_teach.course.trials import Part, check_function, fresh
 from npslam_teach.evaluation import compare_partitions
 
 
@@ -135,6 +136,15 @@ def check_adjusted_rand(student: Callable) -> Verdict:
         ),
         "worse than chance is below zero, and must not be cut off there": lambda t, x: max(0.0, truth(t, x)),
     }
+    hint = "the number is off: count the pairs that are together in the truth, in the result, and in both"
+    praise = "1 is perfect and 0 is what chance would give, whatever the objects are called"
+    return check_function(
+        student, truth, Part("the index", mistakes, _as_index, hint=hint), *_adjusted_rand_inputs(), praise
+    )
+
+
+def _adjusted_rand_inputs() -> tuple[list, dict]:
+    """Arguments of ``check_adjusted_rand``: its trials, and its edges by the situation."""
     rng, trials = fresh(), []
     for count in (40, 25, 60, 40):
         true_labels = rng.integers(0, 4, count)
@@ -148,9 +158,7 @@ def check_adjusted_rand(student: Callable) -> Verdict:
         "with large numbers for names": [(rows * 1000, np.arange(12) % 4 * 10**6)],
         "with hundreds of sightings": [(rng.integers(0, 5, 600), rng.integers(0, 5, 600))],
     }
-    hint = "the number is off: count the pairs that are together in the truth, in the result, and in both"
-    praise = "1 is perfect and 0 is what chance would give, whatever the objects are called"
-    return check_function(student, truth, Part("the index", mistakes, _as_index, hint=hint), trials, edges, praise)
+    return trials, edges
 
 
 def _as_index(answer: np.ndarray, truth, tolerance: float) -> bool:

@@ -8,7 +8,9 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.course.checking import Verdict
-from npslam_teach.course.trials import Part, check_function, exactly, fresh
+from npslam_teach.course.comparing import exactly
+from npslam_teach.course.filtering.check_inputs import add_object_inputs, covariance, match_frame_inputs
+from npslam_teach.course.trials import Part, check_function, fresh
 
 NOT_SQUARED = "a standard deviation must be squared before it is added to a variance"
 
@@ -67,9 +69,9 @@ def check_squared_mahalanobis(squared_mahalanobis: Callable) -> Verdict:
         "the covariance is inverted twice": lambda y, cov: np.sum(np.linalg.solve(cov, y) ** 2),
     }
     rng = fresh()
-    trials = [(rng.normal(size=2), _covariance(rng, 2)) for _ in range(8)]
+    trials = [(rng.normal(size=2), covariance(rng, 2)) for _ in range(8)]
     edges = {
-        "with an innovation of zero": [(np.zeros(2), _covariance(rng, 2))],
+        "with an innovation of zero": [(np.zeros(2), covariance(rng, 2))],
         "with errors that do not hang together": [(rng.normal(size=2), np.diag(rng.uniform(0.1, 2, 2)))],
     }
     praise = "distances are now counted in standard deviations, whatever the direction"
@@ -91,27 +93,12 @@ def check_match_frame(match_frame: Callable) -> Verdict:
         ),
         "the total is made as large as can be, not as small": lambda d, gate: _best(-np.minimum(d, 1e6), np.inf),
     }
-    rng, trials = fresh(), [(np.array([[1.0, 2.0], [1.5, 8.0]]), 9.0)]
-    trials += [(np.array([[0.0, 9.1], [0.1, 30.0]]), 9.0), (np.array([[4.0]]), 3.0)]
-    while len(trials) < 60:
-        trials.append((rng.uniform(0, 14, rng.integers(1, 4, 2)), float(rng.choice([4.0, 9.0, rng.uniform(2, 12)]))))
-    edges = {
-        "with no object yet": [(np.empty((2, 0)), 9.0)],
-        "with no sighting": [(np.empty((0, 3)), 9.0)],
-        "with objects of other classes, which are infinitely far away": [
-            (np.where(rng.random(d.shape) < 0.4, np.inf, d), gate) for d, gate in trials[3:18]
-        ],
-        "with infinite distances alone": [(np.full((2, 2), np.inf), 9.0)],
-    }
     praise = "no two sightings share an object, and nothing beyond the gate is matched"
-    return check_function(match_frame, truth, Part("your matches", mistakes, exactly), trials, edges, praise)
+    return check_function(match_frame, truth, Part("your matches", mistakes, exactly), *match_frame_inputs(), praise)
 
 
 def check_add_object(add_object: Callable) -> Verdict:
     """Exercise 4: ``add_object(mean, cov, xy, observation_std)``: mean (n+2,) and covariance (n+2, n+2)."""
-
-    def truth(mean, cov, xy, observation_std):
-        return variant(mean, cov, xy, observation_std)
 
     def variant(mean, cov, xy, std, lever=1.0, turned=True, power=2, noise=True, cross="all", moved=True, swap=False):
         rotation = se2.rotate(mean[2], np.eye(2)).T
@@ -143,21 +130,12 @@ def check_add_object(add_object: Callable) -> Verdict:
         NOT_SQUARED: {"power": 1},
         "the error of the sighting itself is missing": {"noise": False},
     }
-    rng, trials = fresh(), []
-    for size in (5, 3, 9, 7):
-        mean = np.append(rng.uniform(-3, 3, 3), rng.uniform(-5, 5, size - 3))
-        trials.append((mean, _covariance(rng, size), rng.uniform(-3, 3, 2), rng.uniform(0.2, 1.2, 2)))
-    mean, cov, xy, std = trials[0]
-    edges = {
-        "with the object at the robot": [(mean, cov, np.zeros(2), std)],
-        "with a state that is known exactly": [(mean, np.zeros((5, 5)), xy, std)],
-    }
     parts = (
         Part("your mean", _part(variant, of_mean, 0), hint=_mean_difference),
         Part("your covariance", _part(variant, of_cov, 1), hint=_cov_difference),
     )
     praise = "the state has grown by two, and the new object hangs on everything that the pose hangs on"
-    return check_function(add_object, truth, parts, trials, edges, praise)
+    return check_function(add_object, variant, parts, *add_object_inputs(), praise)
 
 
 def _part(variant: Callable, wrongly: dict, k: int) -> dict:
@@ -168,9 +146,6 @@ def _part(variant: Callable, wrongly: dict, k: int) -> dict:
 def check_nis_bounds(nis_bounds: Callable) -> Verdict:
     """Exercise 5: ``nis_bounds(num_matches, probability)``, the low and the high end, (2,)."""
     from scipy.stats import chi2, norm
-
-    def truth(num_matches, probability):
-        return variant(num_matches, probability)
 
     def variant(num_matches, probability, numbers=2, average=True, tails=2):
         dof, tail = numbers * num_matches, (1 - probability) / 2
@@ -196,7 +171,7 @@ def check_nis_bounds(nis_bounds: Callable) -> Verdict:
     trials = [(int(n), float(rng.uniform(0.6, 0.98))) for n in (2, 7, 50, 400, *rng.integers(3, 900, 6))]
     edges = {"with a single match": [(1, 0.95)], "with thousands of matches": [(5000, 0.99)]}
     praise = "a filter whose average leaves these bounds is too sure of itself, or not sure enough"
-    return check_function(nis_bounds, truth, Part("your bounds", mistakes), trials, edges, praise)
+    return check_function(nis_bounds, variant, Part("your bounds", mistakes), trials, edges, praise)
 
 
 def _mean_difference(answers: list, expected: list) -> str:
@@ -249,8 +224,3 @@ def _thrown_away(squared_distance: np.ndarray, gate: float) -> np.ndarray:
     chosen = _best(squared_distance, np.inf)
     cost = np.column_stack([squared_distance, np.zeros(len(chosen))])[np.arange(len(chosen)), chosen]
     return np.where(cost < gate, chosen, -1)
-
-
-def _covariance(rng: np.random.Generator, size: int) -> np.ndarray:
-    root = rng.normal(size=(size, size))
-    return root @ root.T + 0.1 * np.eye(size)

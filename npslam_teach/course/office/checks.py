@@ -7,7 +7,9 @@ import numpy as np
 from npslam_teach.association import false_positives
 from npslam_teach.camera import Intrinsics, back_project, foreground, on_floor
 from npslam_teach.course.checking import Verdict, as_array
-from npslam_teach.course.trials import Part, check_function, close, exactly, fresh
+from npslam_teach.course.comparing import close, exactly
+from npslam_teach.course.office.check_inputs import position_variance_inputs
+from npslam_teach.course.trials import Part, check_function, fresh
 
 
 def check_pixel_to_point(pixel_to_point: Callable) -> Verdict:
@@ -121,25 +123,9 @@ def check_position_variance(position_variance: Callable) -> Verdict:
             *t, lambda off: np.linalg.norm(off, axis=1).mean()
         ),
     }
-    rng, trials = fresh(), []
-    for num_objects in (3, 5, 4, 5, 3):
-        labels = rng.permutation(np.concatenate([np.arange(num_objects), rng.integers(0, num_objects - 1, 20)]))
-        trials.append((rng.normal(size=(len(labels), 2)) + 3.0 * labels[:, None], labels, num_objects))
-    xy, labels, num_objects = trials[0]
-    left_out = np.append(labels, [-1, -1, -1])
-    edges = {
-        "with labels of -1, which are of no object": [
-            (np.vstack([xy, rng.normal(size=(3, 2))]), left_out, num_objects)
-        ],
-        "with one object, seen once": [(xy[:1], np.zeros(1, dtype=int), 1)],
-        "with an object that has no sighting, for which 0 and NaN will do": [
-            (xy, np.minimum(labels, num_objects - 2), num_objects),
-            (np.vstack([xy, rng.normal(size=(3, 2))]), np.minimum(left_out, num_objects - 2), num_objects),
-        ],
-    }
     part = Part("the variances", mistakes, _none_is_zero, read=_read_variances)
     praise = "noise, drift that was not repaired and two objects taken for one all show in this number"
-    return check_function(position_variance, truth, part, trials, edges, praise)
+    return check_function(position_variance, truth, part, *position_variance_inputs(), praise)
 
 
 def _each(xy: np.ndarray, labels: np.ndarray, num_objects: int, size: Callable, around=None) -> np.ndarray:

@@ -6,7 +6,9 @@ from functools import partial
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.course.checking import Verdict, numerical_jacobian, wrong
+from npslam_teach.course.checking import Verdict, wrong
+from npslam_teach.course.pose_graph.check_inputs import between_residual_inputs
+from npslam_teach.course.pose_graph.random_system import random_system
 from npslam_teach.course.trials import Part, check_function, fresh
 from npslam_teach.pose_graph import between_residual, observation_jacobians, observation_residual
 
@@ -102,22 +104,8 @@ def check_between_residual(student: Callable) -> Verdict:
             -2 * z[:2] - truth(i, j, z)[:2], truth(i, j, z)[2]
         ),
     }
-    rng, trials = fresh(), []
-    # The last three cross 180 degrees: between the two headings, or between the turn and its measurement.
-    for theta_i, theta_j in [
-        (0.3, 0.9),
-        (1.2, -0.4),
-        (3.0, -3.0),
-        (-3.1, 3.1),
-        (-0.1, 3.0),
-        *rng.uniform(-3, 3, (9, 2)),
-    ]:
-        pose_i, pose_j = np.append(rng.uniform(-3, 3, 2), theta_i), np.append(rng.uniform(-3, 3, 2), theta_j)
-        trials.append((pose_i, pose_j, np.append(rng.uniform(-1, 1, 2), se2.wrap(theta_j - theta_i + 0.1))))
-    still = np.array([1.0, -2.0, 3.0])
-    edges = {"with a robot that stands still": [(still, still.copy(), np.zeros(3))]}
     praise = "also where the heading jumps from +180 to -180 degrees"
-    return _check("the residual", student, truth, mistakes, trials, edges, praise)
+    return _check("the residual", student, truth, mistakes, *between_residual_inputs(), praise)
 
 
 def check_gauss_newton_step(student: Callable) -> Verdict:
@@ -138,7 +126,7 @@ def check_gauss_newton_step(student: Callable) -> Verdict:
         "only the diagonal of H was used: the unknowns pull on each other": lambda H, b: -b / np.diag(H),
     }
     rng = fresh()
-    trials = [_normal_equations(rng, num_landmarks) for num_landmarks in (2, 2, 1, 3, 2)]
+    trials = [random_system(rng, num_landmarks) for num_landmarks in (2, 2, 1, 3, 2)]
     edges = {"at the minimum, where b is zero": [(trials[0][0], np.zeros(len(trials[0][1])))]}
     moves = "pose 0 moves; hold it still, because H alone has no inverse"
     part = Part("the step", mistakes, _close, hint=lambda answers, _: moves if _moved(answers) else "")
@@ -241,21 +229,3 @@ def _check(name, student, truth, mistakes, trials, edges, praise, column: str = 
 
 def _close(answer: np.ndarray, other, tolerance: float) -> bool:
     return answer.shape == np.shape(other) and np.allclose(answer, other, rtol=tolerance, atol=3 * tolerance)
-
-
-def _normal_equations(rng: np.random.Generator, num_landmarks: int) -> tuple[np.ndarray, np.ndarray]:
-    """H and b of one small random graph of three poses, pose 0 not held."""
-    poses = np.column_stack([rng.uniform(-3, 3, (3, 2)), rng.uniform(-3, 3, 3)])
-    landmarks = rng.uniform(-3, 3, (num_landmarks, 2))
-
-    def residuals(unknowns):
-        x, points = unknowns[:9].reshape(3, 3), unknowns[9:].reshape(-1, 2)
-        steps = [between_residual(x[t], x[t + 1], measured_steps[t]) for t in (0, 1)]
-        seen = [observation_residual(x[t], points[k], measured[t, k]) for t in range(3) for k in range(num_landmarks)]
-        return np.concatenate(steps + seen)
-
-    measured_steps = se2.between(poses[:-1], poses[1:]) + rng.normal(0, 0.2, (2, 3))
-    measured = se2.apply_inverse(poses[:, None], landmarks[None]) + rng.normal(0, 0.2, (3, num_landmarks, 2))
-    at = np.concatenate([poses.ravel(), landmarks.ravel()])
-    jacobian = numerical_jacobian(residuals, at)
-    return 10 * jacobian.T @ jacobian, 10 * jacobian.T @ residuals(at)

@@ -48,16 +48,23 @@ def check_pair_probabilities(pair_probabilities: Callable) -> Verdict:
         ),
         "rows and columns are exchanged: one row for each observation": lambda w: variant(w).T,
     }
+    praise = "no object is taken twice, and what one observation is says something about the others"
+    return check_function(
+        pair_probabilities, variant, Part("your table", mistakes), *_pair_probabilities_inputs(), praise
+    )
+
+
+def _pair_probabilities_inputs() -> tuple[list, dict]:
+    """Arguments of ``check_pair_probabilities``: its trials, and its edges by the situation."""
     rng = fresh()
     trials = [(np.exp(rng.normal(size=shape)),) for shape in ((1, 1), (2, 1), (1, 2), (2, 2), (3, 2), (2, 3), (3, 3))]
-    praise = "no object is taken twice, and what one observation is says something about the others"
     edges = {
         "with no object in reach": [(np.zeros((2, 0)),)],
         "with no observation": [(np.zeros((0, 3)),)],
         "with weights of zero": [(np.array([[0.0, 2.0], [0.0, 0.0]]),)],
         "with large weights": [(np.array([[1e9, 1e3], [1e8, 1e-3]]),)],
     }
-    return check_function(pair_probabilities, variant, Part("your table", mistakes), trials, edges, praise)
+    return trials, edges
 
 
 def _total(weights: np.ndarray) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 
 from npslam_teach.association.dirichlet_process import log_partition_prior
 from npslam_teach.course.checking import Verdict
+from npslam_teach.course.the_posterior.check_inputs import eliminate_inputs, merge_acceptance_inputs
 from npslam_teach.course.trials import Part, check_function, fresh
 
 
@@ -112,21 +113,10 @@ def check_eliminate(eliminate: Callable) -> Verdict:
         "the sign of what the poses add to the gradient is wrong": lambda H, b, n: 2 * b[n:] - truth(H, b, n)[1],
         "minus the gradient: keep the sign of b": lambda H, b, n: -truth(H, b, n)[1],
     }
-    rng, trials = fresh(), []
-    for n, m in ((1, 2), (3, 4), (6, 2), (2, 5), (4, 3)):
-        root = rng.normal(size=(n + m, n + m))
-        trials.append((root @ root.T + 0.3 * np.eye(n + m), rng.normal(size=n + m), n))
-    H, b, n = trials[1]
-    apart = np.diag(np.diag(H))
-    edges = {
-        "with poses and landmarks that share nothing": [(apart, b, n)],
-        "without poses": [(H, b, 0)],
-        "at the minimum, where b is zero": [(H, np.zeros(len(b)), n)],
-    }
     hint = "the first num_poses rows and columns of H are those of the poses"
     parts = (Part("your information", of_information, hint=hint), Part("your gradient", of_gradient, hint=hint))
     praise = "the poses are gone, and everything that they tied together is still tied"
-    return check_function(eliminate, truth, parts, trials, edges, praise)
+    return check_function(eliminate, truth, parts, *eliminate_inputs(), praise)
 
 
 def check_summarise(summarise: Callable) -> Verdict:
@@ -209,19 +199,8 @@ def check_merge_acceptance(merge_acceptance: Callable) -> Verdict:
         ),
         "that is the logarithm; the probability is asked for": lambda *t: math.log(truth(*t)),
     }
-    rng, trials = fresh(), []
-    for n in (1, 2, 3, 5, 2, 4):
-        apart, weights, sits = rng.normal(-20, 3), rng.normal(0, 1.5, (n, 2)), rng.integers(0, 2, n)
-        trials += [(apart, apart + gain, weights, sits) for gain in (-1.0, 0.7, 9.0)]
-    apart, merged, weights, sits = trials[6]
-    edges = {
-        "with two sightings alone in their objects": [(-20.0, -20.5, np.empty((0, 2)), np.empty(0, dtype=int))],
-        "with log weights of -900, which have no exponential": [(apart, merged, weights - 900.0, sits)],
-        "with a merger that is far better": [(-2000.0, -900.0, weights, sits)],
-        "with a merger that is far worse": [(-900.0, -2900.0, weights, sits)],
-    }
     praise = "with this number the merger and the split come in exactly as often as the posterior asks for"
-    return check_function(merge_acceptance, truth, Part("your number", mistakes), trials, edges, praise)
+    return check_function(merge_acceptance, truth, Part("your number", mistakes), *merge_acceptance_inputs(), praise)
 
 
 def _some_log_p(rng: np.random.Generator) -> Callable:

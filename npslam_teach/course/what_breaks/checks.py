@@ -145,6 +145,12 @@ def check_pass_distance(pass_distance: Callable) -> Verdict:
         "only the diagonal of the difference's covariance is used": partial(variant, metric="diagonal"),
         "landmark i has the rows 2i and 2i + 1 of the covariance": _by_single_rows,
     }
+    praise = "drift that both passes share has cancelled, and the rest is the yardstick"
+    return check_function(pass_distance, truth, Part("your distance", mistakes), *_pass_distance_inputs(), praise)
+
+
+def _pass_distance_inputs() -> tuple[list, dict]:
+    """Arguments of ``check_pass_distance``: its trials, and its edges by the situation."""
     rng, trials = fresh(), []
     for count in (2, 3, 4, 5, 4, 3):
         root = rng.normal(size=(2 * count, 2 * count))
@@ -158,8 +164,7 @@ def check_pass_distance(pass_distance: Callable) -> Verdict:
         "with passes at one place": [(np.zeros_like(xy), cov, i, j)],
         "for the first and the last pass": [(xy, cov, 0, len(xy) - 1)],
     }
-    praise = "drift that both passes share has cancelled, and the rest is the yardstick"
-    return check_function(pass_distance, truth, Part("your distance", mistakes), trials, edges, praise)
+    return trials, edges
 
 
 def _by_single_rows(xy, cov, i, j) -> float:

@@ -8,7 +8,8 @@ from functools import cache, partial
 import numpy as np
 
 from npslam_teach.course.checking import Verdict, answer_of, wrong
-from npslam_teach.course.trials import Part, check_function, exactly, fresh, grouped_alike
+from npslam_teach.course.comparing import exactly, grouped_alike
+from npslam_teach.course.trials import Part, check_function, fresh
 
 
 def check_argmax(argmax_and_doubt: Callable) -> Verdict:

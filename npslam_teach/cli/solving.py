@@ -32,11 +32,10 @@ def settings_name(options) -> str:
 
 def settings_of(options, log: RobotLog) -> dict:
     """The settings that the method is called with; ``require_options`` has seen that it has those asked for."""
-    known = METHODS[options.method].settings
-    base = paper_settings() if settings_name(options) == "paper" else settings_for(log)
-    # A default of None means the log's own noise, which no scale changes.
-    settings = {name: value for name, value in base.items() if known.get(name) is not None}
-    return settings | {name: getattr(options, name) for name in GIVEN if getattr(options, name) is not None}
+    scale = paper_settings() if settings_name(options) == "paper" else settings_for(log)
+    return METHODS[options.method].scaled_by(scale) | {
+        name: getattr(options, name) for name in GIVEN if getattr(options, name) is not None
+    }
 
 
 def require_options(options) -> None:

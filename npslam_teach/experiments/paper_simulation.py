@@ -10,7 +10,7 @@ from npslam_teach.evaluation import chi2_per_dof, distances_to_truth, true_assoc
 from npslam_teach.experiments import tables
 from npslam_teach.experiments.runs import Run, Scene, row_of, run_method
 from npslam_teach.system.progress import track
-from npslam_teach.types import GroundTruth, Snapshot
+from npslam_teach.types import GroundTruth, RobotLog, Snapshot
 
 ERRORS = ("pose_error", "object_error", "ari", "chi2_per_dof")
 TABLE_COLUMNS = ("seed", "noise", "method", "rounds", "objects", "used", *ERRORS)
@@ -30,14 +30,28 @@ def scenes(data: str | None, noise: float, seeds: Iterable[int]) -> Iterator[Sce
     simulate.paper_sensor(noise)  # refuses a noise that makes no sense before any file is read
     if data is None:
         return (Scene("fifteen_objects", s, noise, *simulate.fifteen_objects(s, noise)) for s in seeds)
+    log, truth = recorded(data)
+    return (with_noise_added(data, log, truth, noise, s) for s in seeds)
+
+
+def recorded(path: str) -> tuple[RobotLog, GroundTruth]:
+    """A log with all of its truth, from a file.
+
+    Raises:
+        ValueError: the truth is missing, or a part of it.
+    """
     from npslam_teach import datasets
 
-    log, truth = datasets.load_log(data)
+    log, truth = datasets.load_log(path)
     if truth is None or not truth.is_complete:
         got = "one without" if truth is None else "one that knows a part of them"
-        raise ValueError(f"{data}: expected a log with the true poses and objects, got {got}")
-    name = Path(data).name
-    return (Scene(name, s, noise, simulate.add_noise(log, noise, np.random.default_rng(s)), truth) for s in seeds)
+        raise ValueError(f"{path}: expected a log with the true poses and objects, got {got}")
+    return log, truth
+
+
+def with_noise_added(path: str, log: RobotLog, truth: GroundTruth, noise: float, seed: int) -> Scene:
+    """A recorded log with noise of this seed, see ``simulate.add_noise``; named as its file."""
+    return Scene(Path(path).name, seed, noise, simulate.add_noise(log, noise, np.random.default_rng(seed)), truth)
 
 
 def run_all(

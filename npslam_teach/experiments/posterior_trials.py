@@ -17,8 +17,7 @@ import numpy as np
 from npslam_teach.association import first_observations, in_order_of_sight
 from npslam_teach.evaluation import compare_partitions, evaluate, singletons_for_unassigned, wilson_interval
 from npslam_teach.experiments.paper_simulation import scenes
-from npslam_teach.experiments.runs import Scene
-from npslam_teach.experiments.what_breaks import LEAST_ARI
+from npslam_teach.experiments.runs import LEAST_ARI, Scene
 from npslam_teach.methods import METHODS
 from npslam_teach.methods.partition_score import partition_score
 from npslam_teach.methods.posterior import in_time, start_model

@@ -98,9 +98,7 @@ def run_case(case: Case, seed: int) -> Snapshot:
     log, (_, truth) = log_of(case, seed), imported(seed, case.classes)
     if case.method == KNOWN:
         return true_identities(log, truth)
-    # A default of None means the log's own noise, which no scale changes.
-    known = METHODS[case.method].settings
-    settings = {name: value for name, value in settings_for(log).items() if known.get(name) is not None}
+    settings = METHODS[case.method].scaled_by(settings_for(log))
     if case.noise == "repeated":
         settings["exclusive"] = False
     return answer_of(case.method, log, {} if case.noise == "paper" else settings)

@@ -17,12 +17,11 @@ import numpy as np
 from npslam_teach import simulate
 from npslam_teach.evaluation import compared_labels, distances_to_truth
 from npslam_teach.experiments import paper_simulation
-from npslam_teach.experiments.runs import Scene, run_method
+from npslam_teach.experiments.runs import LEAST_ARI, Scene, run_method
 from npslam_teach.methods import METHODS, settings_for
 
 SETTINGS = ("alpha", "threshold", "kernel_std")  # of a method, that a sweep can vary
 SCALES = ("paper", "sensor")  # the paper's constants, or the same scaled to the noise of the log
-LEAST_ARI = 0.99  # of a run that is right
 MOST_DEATHS = 3  # of workers in a row, without a single row
 _AT_WORK = 512  # points handed out at a time: enough for a cluster, and little to take back after Ctrl-C
 
@@ -110,8 +109,13 @@ def scene_of(name: str, noise: float, seed: int) -> Scene:
     if name in simulate.GALLERY:
         drawing = replace(simulate.GALLERY[name].drawing, noise=noise, seed=seed)
         return Scene(name, seed, noise, *simulate.drawn_run(drawing))
-    path = None if name == "fifteen_objects" else name
-    return next(iter(paper_simulation.scenes(path, noise, [seed])))
+    if name == "fifteen_objects":
+        return next(iter(paper_simulation.scenes(None, noise, [seed])))
+    return paper_simulation.with_noise_added(name, *_recorded(name), noise, seed)
+
+
+# Each worker reads a file once, and not for every one of its rooms.
+_recorded = lru_cache(maxsize=8)(paper_simulation.recorded)
 
 
 def run_point(point: Point) -> dict:
@@ -130,10 +134,7 @@ def run_point(point: Point) -> dict:
 
 
 def _settings_of(point: Point, scene: Scene) -> dict:
-    known = METHODS[point.method].settings
-    base = settings_for(scene.log) if point.scale == "sensor" else {}
-    # A default of None means the log's own noise, which no scale changes.
-    base = {name: value for name, value in base.items() if known.get(name) is not None}
+    base = METHODS[point.method].scaled_by(settings_for(scene.log)) if point.scale == "sensor" else {}
     return base | {name: getattr(point, name) for name in SETTINGS if getattr(point, name) is not None}
 
 

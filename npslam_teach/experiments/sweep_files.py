@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
+from npslam_teach.experiments import tables
 from npslam_teach.experiments.sweep import COLUMNS, Point, point_of
 from npslam_teach.system.files import atomic_write
 from npslam_teach.system.locking import lock_or_raise
@@ -44,7 +45,7 @@ def collect(path: str | Path, points: Iterable[Point]) -> Iterator[tuple[list[Po
         _pyarrow()  # that it is missing is said before hours of work
     with lock_or_raise(path.with_name(f".{path.name}.lock"), f"{path}: expected a file that no other sweep is writing"):
         rows = {point_of(row): row for row in [*read_rows(path, True), *read_rows(journal, True)] if not row["error"]}
-        _write_csv(journal, rows.values())  # without a line that was cut off
+        tables.write_table(rows.values(), COLUMNS, journal)  # without a line that was cut off
         try:
             with open(journal, "a", encoding="utf-8", newline="") as stream:
                 yield [point for point in points if point not in rows], _keeper(path, stream, rows)
@@ -114,20 +115,13 @@ def _require_columns(path: Path, names) -> None:
 
 def _write(path: Path, rows: Iterable[dict]) -> None:
     if path.suffix == ".csv":
-        _write_csv(path, rows)
+        tables.write_table(rows, COLUMNS, path)
         return
     arrow, parquet = _pyarrow()
     kinds = {name: arrow.string() if name in _TEXTS else arrow.int64() for name in (*_TEXTS, *_COUNTS)}
     schema = arrow.schema([(name, kinds.get(name, arrow.float64())) for name in COLUMNS])
     with atomic_write(path, "wb") as stream:
         parquet.write_table(arrow.Table.from_pylist(list(rows), schema), stream)
-
-
-def _write_csv(path: Path, rows: Iterable[dict]) -> None:
-    with atomic_write(path) as stream:
-        writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
 
 
 def _read_parquet(path: Path) -> list[dict]:

@@ -30,6 +30,13 @@ class Method:
         """Run it on a log; see its function for the settings."""
         return self.function(log, **settings)
 
+    def scaled_by(self, scale: dict) -> dict:
+        """Of a scale (``settings.paper_settings`` or ``settings_for``) what this method can be asked for.
+
+        A default of None means the log's own noise, which no scale changes.
+        """
+        return {name: value for name, value in scale.items() if self.settings.get(name) is not None}
+
     @property
     def settings(self) -> dict:
         """What it can be asked for besides the log, with the defaults, in the order of its signature."""

@@ -74,12 +74,13 @@ def soft_em(
         raise ValueError(f"mixture: expected one of {', '.join(MIXTURES)}, got {mixture!r}")
     if iterations != int(iterations) or iterations < 1:
         raise ValueError(f"iterations: expected a positive integer, got {iterations}")
-    bound, _ = squared_gates(gate, max(gate, NEW_GATE))
+    gates = gate, max(gate, NEW_GATE)
+    bound, _ = squared_gates(*gates)
     log = with_noise(log, odometry_std, observation_std)
     yield initial_snapshot(log)
     if log.num_observations == 0:
         return
-    labels = run_filter(log, gate, max(gate, NEW_GATE)).labels
+    labels = run_filter(log, *gates).labels
     graph, pairs = fit(log, labels), _certain(labels)
     yield snapshot(log, 1, labels, graph)
     for iteration in track(range(2, 2 + int(iterations)), int(iterations), "soft-em", "iterations"):

@@ -8,7 +8,8 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from npslam_teach.evaluation import wilson_interval
-from npslam_teach.experiments.sweep import LEAST_ARI, SETTINGS, is_right
+from npslam_teach.experiments.runs import LEAST_ARI
+from npslam_teach.experiments.sweep import SETTINGS, is_right
 from npslam_teach.plotting.style import TEXT_SIZE, label_axes, legend_beside, method_style, new_figure
 
 LABELS = {
@@ -98,9 +99,8 @@ def _maps(rows: list[dict], setting: str, title: str) -> Figure:
         own = [row for row in rows if tuple(row[name] for name in others) == combination]
         cells = [[_share_at(own, setting, value, noise) for (noise,) in noises] for (value,) in values]
         said = [f"{name} {value:g}" for name, value in zip(others, combination, strict=True) if value is not None]
-        plot_share_table(ax, cells, [_word(value) for (value,) in values], [f"{noise:g}" for (noise,) in noises])
-        label_axes(ax, LABELS["noise"], LABELS[setting], "; ".join([title, *said]))
-        ax.grid(False)
+        names = [_word(value) for (value,) in values], [f"{noise:g}" for (noise,) in noises]
+        plot_share_table(ax, cells, *names, LABELS[setting], "; ".join([title, *said]))
     return figure
 
 
@@ -113,14 +113,18 @@ def _word(value: float | None) -> str:
     return "own" if value is None else f"{value:g}"
 
 
-def plot_share_table(ax: Axes, cells: list[list[tuple | None]], rows: list[str], columns: list[str]) -> Axes:
-    """A table of shares: how many runs were right, of how many, and the 95 % interval of the share.
+def plot_share_table(
+    ax: Axes, cells: list[list[tuple | None]], rows: list[str], columns: list[str], what: str, title: str
+) -> Axes:
+    """A table of shares over the noise: how many runs were right, of how many, and the 95 % interval of the share.
 
     Args:
         ax: any axes.
         cells: by row and column (right, runs, low, high); None where nothing was run.
         rows: their names.
-        columns: their names.
+        columns: the noises.
+        what: the rows are, with the unit.
+        title: of the plot.
     """
     shares = [[np.nan if cell is None else cell[0] / cell[1] for cell in row] for row in cells]
     ax.imshow(shares, cmap=_NONE_TO_ALL, vmin=0, vmax=1, aspect="auto")
@@ -132,5 +136,5 @@ def plot_share_table(ax: Axes, cells: list[list[tuple | None]], rows: list[str],
                 ax.text(x, y, text, ha="center", va="center", fontsize=TEXT_SIZE["tick"])
     ax.set_xticks(range(len(columns)), columns)
     ax.set_yticks(range(len(rows)), rows)
-    ax.grid(False)
+    label_axes(ax, LABELS["noise"], what, title).grid(False)
     return ax

@@ -205,26 +205,26 @@ def test_what_joined_a_displaced_object_goes_along_with_it():
     assert displaced(sampler, 1e-9, np.diag([0.04, 0.04])).tolist() == [0, 1, 2]
 
 
-def test_no_more_is_displaced_than_the_share_of_outliers_allows():
-    """A chair seen 100 times and two others near it: five more are within the share, thirty more are not."""
-    places, information = np.array([[0.0, 0.0], [0.5, 0.0], [-0.2, 0.0]]), 1e6 * np.eye(6)
+def a_chair_and_two_beside_it(*x):
+    """Seen 100, 30 and 5 times, at 0 and at these places along x; the two are rivals of each other."""
+    places, information = np.array([[0.0, 0.0], *([each, 0.0] for each in x)]), 1e6 * np.eye(6)
     constant = float(places.ravel() @ information @ places.ravel())
     counts, rivals = np.array([100, 30, 5]), np.zeros((3, 3), dtype=bool)
     rivals[1, 2] = rivals[2, 1] = True
     evidence = TrackletEvidence(constant, information @ places.ravel(), information, counts, rivals, 1.0, 100.0)
-    sampler = GibbsSampler(evidence, np.arange(3), np.random.default_rng(0))
+    return GibbsSampler(evidence, np.arange(3), np.random.default_rng(0))
+
+
+def test_no_more_is_displaced_than_the_share_of_outliers_allows():
+    """A chair seen 100 times and two others near it: five more are within the share, thirty more are not."""
+    sampler = a_chair_and_two_beside_it(0.5, -0.2)
     assert displaced(sampler, 0.03, np.diag([0.04, 0.04])).tolist() == [0, 1, 0]
     assert displaced(sampler, 0.3, np.diag([0.04, 0.04])).tolist() == [0, 0, 0]
 
 
 def test_a_join_beyond_the_share_does_not_stop_smaller_ones_after_it():
     """The nearest of three would displace thirty observations, too many; five others farther off still join."""
-    places, information = np.array([[0.0, 0.0], [0.1, 0.0], [-0.2, 0.0]]), 1e6 * np.eye(6)
-    constant = float(places.ravel() @ information @ places.ravel())
-    counts, rivals = np.array([100, 30, 5]), np.zeros((3, 3), dtype=bool)
-    rivals[1, 2] = rivals[2, 1] = True
-    evidence = TrackletEvidence(constant, information @ places.ravel(), information, counts, rivals, 1.0, 100.0)
-    sampler = GibbsSampler(evidence, np.arange(3), np.random.default_rng(0))
+    sampler = a_chair_and_two_beside_it(0.1, -0.2)
     assert displaced(sampler, 0.03, np.diag([0.04, 0.04])).tolist() == [0, 1, 0]
 
 

@@ -101,10 +101,8 @@ def plot_shares(ax: Axes, cases: dict, noises: tuple) -> Axes:
         noises: the columns.
     """
     shares = [[table.share_of(case, noise) for noise in noises] for case in cases.values()]
-    plot_share_table(ax, shares, list(cases), [f"{noise:g}" for noise in noises])
-    label_axes(ax, "noise (times the paper's)", "what was run", "runs that were right, and 95 % intervals of the share")
-    ax.grid(False)
-    return ax
+    title = "runs that were right, and 95 % intervals of the share"
+    return plot_share_table(ax, shares, list(cases), [f"{noise:g}" for noise in noises], "what was run", title)
 
 
 def plot_pairs(ax: Axes, pairs: Pairs, reach: float, gate: float) -> Axes:

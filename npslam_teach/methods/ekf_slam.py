@@ -141,9 +141,11 @@ def filter_steps(
         prior, seen = belief, seen_all[observations]
         xy, noise = log.obs_xy[observations], sight_cov[observations]
         distance = prior.squared_distances(xy, noise)
-        if known_labels is None:
+        if known_labels is None and len(observations):
             distance = distance + class_distances(seen, classes)
             decision = assign(distance, *bounds)
+        elif known_labels is None:
+            decision = observations  # of none
         else:
             decision = np.where(known_labels[observations] < len(classes), known_labels[observations], NEW)
         is_new = decision == NEW
@@ -156,6 +158,8 @@ def filter_steps(
 
 def _classes_after(classes: np.ndarray, decision: np.ndarray, seen: np.ndarray, is_given: bool) -> np.ndarray:
     """What the objects are (logarithms) after the observations of a frame, new objects included."""
+    if not len(decision):
+        return classes
     matched, is_new = decision >= 0, decision == NEW
     if not is_given:  # given labels may contradict the classes
         classes = classes.copy()

@@ -114,7 +114,7 @@ def em_round(
 def expected(log: RobotLog, graph: PoseGraph, pairs: Pairs, bound: float, mixture: str = "sum") -> Pairs:
     """E-step: how probable each pair is, map and trajectory held still. Arguments as in ``em_round``."""
     distance, found = distances(log, graph, pairs), []
-    for observations in frames_of(log):
+    for observations in _frames_with_observations(log):
         own = distance[observations]
         if mixture == "sum":
             weight = matching_probabilities(np.where(own < OTHER, np.exp((bound - own) / 2), 0.0))
@@ -168,7 +168,7 @@ def without_unseen(graph: PoseGraph, pairs: Pairs) -> tuple[PoseGraph, Pairs]:
 def best_labels(log: RobotLog, graph: PoseGraph, pairs: Pairs, bound: float) -> np.ndarray:
     """(M,) the object of each observation in the most probable matching of its frame; -1 = none."""
     distance, labels = distances(log, graph, pairs), np.full(log.num_observations, -1)
-    for observations in frames_of(log):
+    for observations in _frames_with_observations(log):
         chosen = one_to_one(distance[observations], bound)
         labels[observations] = np.where(chosen < distance.shape[1], chosen, -1)
     return labels
@@ -191,7 +191,7 @@ def same_objects(log: RobotLog, graph: PoseGraph, pairs: Pairs, labels: np.ndarr
         squared_mahalanobis(graph.landmarks[i] - graph.landmarks[j], spread) + class_distances(belief, belief)[i, j]
     )
     together = np.zeros((count, count), dtype=bool)
-    for observations in frames_of(log):
+    for observations in _frames_with_observations(log):
         seen = labels[observations][labels[observations] >= 0]
         together[np.ix_(seen, seen)] = True
     copies = np.arange(count)
@@ -209,6 +209,10 @@ def joined(graph: PoseGraph, pairs: Pairs, copies: np.ndarray) -> tuple[PoseGrap
     kept = np.unique(copies)
     place = np.searchsorted(kept, copies[pairs.object])
     return replace(graph, landmarks=graph.landmarks[kept], observations=_NO_FACTORS), pairs._replace(object=place)
+
+
+def _frames_with_observations(log: RobotLog) -> list[np.ndarray]:
+    return [observations for observations in frames_of(log) if len(observations)]
 
 
 def _certain(labels: np.ndarray) -> Pairs:

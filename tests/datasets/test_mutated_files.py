@@ -25,6 +25,7 @@ from npslam_teach.methods import METHODS
 HELPERS = Path(__file__).parents[1] / "helpers"
 FILES_PER_FORMAT, DISTINCT_PER_FORMAT = 2_000, 1_700
 MOST_SECONDS, MOST_MEGABYTES = 2.0, 500.0
+POSES_PER_SECOND = 5_000.0  # damage can leave a log that is whole, and long: twenty observations over 20,000 poses
 PATIENCE = 60.0  # seconds of silence after which a file counts as a hang, unless the worker has only been waiting its
 MOST_CPU_SECONDS = 20.0  # turn on a busy machine: it must have rested, or used the processor for so long
 
@@ -113,7 +114,7 @@ def complaints_about(outcomes):
         if outcome["problem"]:
             found.append(f"{outcome['name']}: {outcome['problem']} {outcome.get('said', '')!r}")
         # The processor's seconds: other processes of a busy machine are not the fault of a file.
-        elif outcome["cpu_seconds"] > MOST_SECONDS or outcome["megabytes"] > MOST_MEGABYTES:
+        elif outcome["cpu_seconds"] > MOST_SECONDS + outcome["poses"] / POSES_PER_SECOND or outcome["megabytes"] > MOST_MEGABYTES:
             found.append(f"{outcome['name']}: {outcome['cpu_seconds']:.1f} s, {outcome['megabytes']:.0f} MB")
     return found
 

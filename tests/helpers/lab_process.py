@@ -55,11 +55,17 @@ def _address(process: subprocess.Popen, log: Path) -> tuple[str, str, str]:
     """Wait for the line in which Jupyter prints its address: up to the port, the token, and all of it."""
     end = time.monotonic() + START_SECONDS
     while time.monotonic() < end:
-        if found := re.search(r"(http://127\.0\.0\.1:\d+)/lab\S*\?token=(\w+)", _text(log)):
-            return found[1], found[2], found[0]
+        found = re.search(r"(http://127\.0\.0\.1:(\d+))/lab\S*\?token=(\w+)", _text(log))
+        if found and _listens(int(found[2])):  # Jupyter prints its address a moment before it does
+            return found[1], found[3], found[0]
         assert process.poll() is None, f"lab ended: {_text(log)[-2000:]}"
         time.sleep(0.1)
     raise AssertionError(f"lab did not start within {START_SECONDS} s: {_text(log)[-2000:]}")
+
+
+def _listens(port: int) -> bool:
+    with socket.socket() as caller:
+        return caller.connect_ex(("127.0.0.1", port)) == 0
 
 
 def _stop(process: subprocess.Popen, log: Path) -> None:

@@ -60,7 +60,7 @@ def arguments_for(path: Path, number: int) -> list[str]:
 
 
 def outcome(path: Path, number: int) -> dict:
-    """Run the command line on a file: its exit code, what is wrong with its answer, its seconds and its memory."""
+    """Run the command line on a file: its exit code, what is wrong with its answer, its poses, seconds and memory."""
     arguments = arguments_for(path, number)
     out, err = io.StringIO(), io.StringIO()
     forget_peak()
@@ -73,7 +73,8 @@ def outcome(path: Path, number: int) -> dict:
     seconds = {"seconds": time.perf_counter() - wall, "cpu_seconds": time.process_time() - cpu}
     measured = {**seconds, "megabytes": peak_memory() / MEGABYTE}
     problem = wrong_with(code, out.getvalue(), err.getvalue(), path, arguments)
-    return {"code": code, "problem": problem, "said": err.getvalue(), **measured}
+    poses = len(json.loads(out.getvalue())["poses"]) if code == 0 and problem is None else 0
+    return {"code": code, "problem": problem, "said": err.getvalue(), "poses": poses, **measured}
 
 
 # ---- what an answer must be ----
@@ -189,7 +190,9 @@ def chi2_of_text(path: Path) -> float | None:
 
 
 def wrong_with_log(result: dict, path: Path, arguments: list) -> str | None:
-    log, truth = log_files.load_log(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the command has said so already
+        log, truth = log_files.load_log(path)
     labels = np.array(result["labels"], int)
     if path.suffix == ".npz" and (wrong := other_than_numpy(path, log)):
         return wrong

@@ -77,6 +77,7 @@ COUNTS = {
     "robust-slam": "observations",
     "frame-by-frame": None,
     "posterior": "searches",
+    "soft-em": "iterations",
 }
 
 

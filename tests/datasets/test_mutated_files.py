@@ -113,8 +113,10 @@ def complaints_about(outcomes):
     for outcome in outcomes.values():
         if outcome["problem"]:
             found.append(f"{outcome['name']}: {outcome['problem']} {outcome.get('said', '')!r}")
+            continue
         # The processor's seconds: other processes of a busy machine are not the fault of a file.
-        elif outcome["cpu_seconds"] > MOST_SECONDS + outcome["poses"] / POSES_PER_SECOND or outcome["megabytes"] > MOST_MEGABYTES:
+        most_seconds = MOST_SECONDS + outcome["poses"] / POSES_PER_SECOND
+        if outcome["cpu_seconds"] > most_seconds or outcome["megabytes"] > MOST_MEGABYTES:
             found.append(f"{outcome['name']}: {outcome['cpu_seconds']:.1f} s, {outcome['megabytes']:.0f} MB")
     return found
 

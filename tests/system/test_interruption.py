@@ -64,7 +64,7 @@ def interrupted(arguments, wait, folder, before="", signal_number=signal.SIGINT)
 
 
 def assert_answered(code, err):
-    """Exit code 130 and one line, or 0 and no output; a progress bar may come before it, and remarks on files and answer."""
+    """Exit code 130 and one line, or 0 and no output; a progress bar and remarks may come before it."""
     lines = [line.rsplit("\r", 1)[-1] for line in err.split("\n")]
     lines = [line for line in lines if line.strip() and not line.startswith("Downloading data from")]
     remarks = (": warning: chi2 per degree of freedom", "replaces the file that is there", "are replaced")

@@ -102,6 +102,8 @@ def assignment(options) -> int:
         print(student_course.write_student_course(ROOT, folder_named(options.out)))
         return 0
     lessons = list(dict.fromkeys(options.lessons))
+    if not lessons:
+        raise ValueError("LESSON: expected numbers of lessons, such as 04, or --course, got neither")
     folder = folder_named(options.out, is_new=True)
     for path in making.write_assignments(ROOT / "notebooks", lessons, folder, options.student):
         print(path)

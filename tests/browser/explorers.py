@@ -3,19 +3,26 @@
 import contextlib
 import functools
 import io
-import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
 
-import ipywidgets
 import nbformat
 from lab_server import ROOT, timeout_error
 from slices import needed_statements
 
+from npslam_teach.course.controls import Choice, Control, Places
 from npslam_teach.course.explorers import Explorer
 
 MEASURE = (Path(__file__).parent / "latency.js").read_text(encoding="utf-8")
+# Of a scene: every part with its attributes and its text, in order.
+PICTURE = """root => {
+    const [image, words] = [root.querySelector("figure img"), root.querySelector("figcaption").textContent];
+    const named = (each) => Object.fromEntries([...each.attributes].map(({ name, value }) => [name, value]));
+    const part = (each) => [each.tagName, named(each), each.textContent];
+    const parts = [...root.querySelectorAll("figure svg > *")].map(part);
+    return { source: image?.src ?? parts, alt: image?.alt ?? words, words };
+}"""
 EXPLORE = re.compile(r"\bexplore_\w+\(")
 EXPLORER = ".npslam-explorer"
 ANSWER_SECONDS = 120
@@ -45,37 +52,26 @@ def explorers_of(lesson: str) -> list[Explorer]:
     return [each for each in namespace.values() if isinstance(each, Explorer)]
 
 
-def values_of(widget: ipywidgets.Widget) -> list:
-    """All that a slider or a list can be set to, in order."""
-    if isinstance(widget, ipywidgets.Dropdown):
-        return list(dict(widget.options).values())
-    steps = round((widget.max - widget.min) / widget.step)
-    return [round(widget.min + k * widget.step, 9) for k in range(steps + 1)]
-
-
 @dataclass
-class Control:
+class ShownControl:
     """A slider or a list of an explorer in the page."""
 
     name: str  # of the argument of the explorer's update
-    twin: ipywidgets.Widget  # the same control of the explorer in this process
+    twin: Control  # the same control of the explorer in this process
     locator: object  # what has the focus when it is used
-    readout: object  # the number beside a slider
+    readout: object  # the field with the number of a slider
 
     @property
     def is_list(self) -> bool:
-        return isinstance(self.twin, ipywidgets.Dropdown)
+        return isinstance(self.twin, Choice)
 
     def values(self) -> list:
-        """All that it can be set to, in order."""
-        return values_of(self.twin)
+        """All that the arrow keys lead to, in order."""
+        return self.twin.grid()
 
     def index(self) -> int:
         """Which of them the page shows."""
-        if self.is_list:
-            return self.locator.evaluate("each => each.selectedIndex")
-        shown = float(self.readout.text_content().replace("\N{MINUS SIGN}", "-"))
-        return min(range(len(self.values())), key=lambda k: abs(self.values()[k] - shown))
+        return int(self.locator.evaluate("each => each.selectedIndex ?? each.value"))
 
     def key(self, forward: bool) -> str:
         return {True: ("ArrowRight", "ArrowDown"), False: ("ArrowLeft", "ArrowUp")}[forward][self.is_list]
@@ -88,12 +84,11 @@ class Shown:
         self.page, self.number, self.twin, self._answers = page, number, twin, {}
         self.root = root = page.locator(EXPLORER).nth(number)
         root.scroll_into_view_if_needed()
-        rows = root.locator(".widget-inline-hbox", has=page.locator("label"))
         self.controls = []
-        for name, widget in twin.sliders.items():
-            row = rows.filter(has=page.locator(f"label:text-is({json.dumps(widget.description)})"))
-            focus = "select" if isinstance(widget, ipywidgets.Dropdown) else "[role=slider]"
-            self.controls.append(Control(name, widget, row.locator(focus), row.locator(".widget-readout")))
+        for name, control in twin.sliders.items():
+            if not isinstance(control, Places):
+                here = root.locator(f"[data-control={name}]")
+                self.controls.append(ShownControl(name, control, here, here.locator("xpath=../input[@type='text']")))
         root.evaluate(MEASURE)
 
     def values(self) -> dict:
@@ -102,12 +97,7 @@ class Shown:
 
     def picture(self) -> dict:
         """The picture, its alternative text and the words under it."""
-        return self.root.evaluate(
-            """root => {
-                const image = root.querySelector("figure img");
-                return {source: image.src, alt: image.alt, words: root.querySelector("figcaption").textContent};
-            }"""
-        )
+        return self.root.evaluate(PICTURE)
 
     def expected(self) -> dict:
         """The library's answer for what the page's controls are set to, which it is asked for once."""
@@ -115,7 +105,10 @@ class Shown:
         place = tuple(values.values())
         if place not in self._answers:
             words = self.twin.move(**values)
-            source = re.search('src="([^"]*)"', self.twin._picture.value).group(1)
+            parts = self.twin.shown.get("scene", {}).get("parts", {}).values()
+            source = self.twin.shown.get("src") or [
+                [tag, attributes, *(text or [""])] for tag, attributes, *text in parts
+            ]
             self._answers[place] = {"source": source, "alt": words, "words": words}
         return self._answers[place]
 
@@ -170,7 +163,7 @@ class Shown:
         for _ in range(100):
             nodes = session.send("Accessibility.queryAXTree", {"objectId": element})["nodes"]
             names = [(node["role"]["value"], node["name"]["value"]) for node in nodes if not node["ignored"]]
-            if any(role == "image" for role, _ in names):
+            if any(role in ("image", "group") for role, _ in names):
                 break
             self.page.evaluate("() => new Promise(requestAnimationFrame)")
         return names

@@ -78,7 +78,7 @@ def main(presses: int = 12) -> int:
         settings.mkdir()
         with running_lab(copy_of_the_course(course), settings) as lab, running_chromium() as browser:
             for lesson in lessons_with_explorers():
-                context = browser.new_context(viewport=LARGE_WINDOW)
+                context = browser.new_context(viewport=LARGE_WINDOW, reduced_motion="reduce")
                 rows += measure(context.new_page(), lab, lesson, presses)
                 context.close()
     print(table(rows))

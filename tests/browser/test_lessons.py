@@ -33,7 +33,7 @@ MOST_PRESSES = 6  # of a key, in each direction
 @pytest.fixture(scope="module")
 def window(chromium):
     """What all lessons are opened in, so that JupyterLab itself is fetched and compiled once."""
-    context = new_context(chromium, viewport={"width": LAPTOP, "height": 1000})
+    context = new_context(chromium, viewport={"width": LAPTOP, "height": 1000}, reduced_motion="reduce")
     yield context
     context.close()
 
@@ -117,7 +117,7 @@ def test_explorers_follow_the_keys_and_tell_what_the_library_tells(lesson, explo
         for control in explorer.controls:
             shown = explorer.walk(control, MOST_PRESSES)
             assert len({each["words"] for each in shown}) >= 2
-            assert len({each["source"] for each in shown}) >= 2
+            assert len({str(each["source"]) for each in shown}) >= 2
             latencies.append(Row(name, control.twin.description, tuple(explorer.latencies())))
 
 
@@ -131,7 +131,7 @@ def test_play_buttons_play_and_pause(explorers):
                 explorer.wait_for_answer()
             before = position.index()
             button.press("Enter")
-            explorer.wait("root.querySelector('.widget-readout').textContent != known", str(before), "nothing plays")
+            explorer.wait("root.querySelector('input[type=range]').value != known", str(before), "nothing plays")
             explorer.root.get_by_role("button", name="pause").press("Enter")
             explorer.root.get_by_role("button", name="play").wait_for()
             explorer.wait_for_answer()
@@ -146,7 +146,8 @@ def test_a_screen_reader_finds_the_name_of_every_control(explorers):
         names = explorer.names_in_the_accessibility_tree()
         for control in explorer.controls:
             assert ("combobox" if control.is_list else "slider", control.twin.description) in names
-        assert ("image", explorer.picture()["words"]) in names
+        if explorer.twin.figure is not None:
+            assert ("image", explorer.picture()["words"]) in names
         assert not [role for role, name in names if role in ("slider", "combobox", "button", "textbox") and not name]
 
 
@@ -157,7 +158,7 @@ def test_controls_are_reached_one_after_the_other_by_tab(lesson, explorers):
         handles = [control.locator.element_handle() for control in explorer.controls]
         handles[0].focus()
         for handle in handles[1:]:
-            for _ in range(2):  # from a slider to its number, from the number to the next control
+            for _ in range(5):  # from a slider to its number and its buttons, from there to the next control
                 page.keyboard.press("Tab")
                 if handle.evaluate("each => each === document.activeElement"):
                     break

@@ -11,10 +11,12 @@ from npslam_teach.simulate import TOY_CLASSES, toy_objects
 from npslam_teach.types import RobotLog
 
 HIGHEST_WEIGHT = 1.7  # of the axis: a lone observation weighs at most 1, alpha goes up to 1.5
+HIGHEST_PROBABILITY = 1.12  # room for the numbers above the bars
 SIZE = (980.0, 450.0)  # px
 LEFT, BARS = 60.0, ((590.0, 36.0, 380.0, 145.0), (590.0, 260.0, 380.0, 145.0))
 MARGIN = 0.7  # m around the observations
 WIDTH_OF_BAR = 0.72
+FRAMES = {"alpha": [0.05, 0.5, 0.9, 1.0, 1.5], "kernel_std": [0.05, 0.15, 0.25, 0.5, 0.7, 1.0]}  # without a kernel
 NAME = (1.0, 0.3)  # m, width and height of a name on the map
 
 
@@ -32,31 +34,22 @@ def explore_association(log: RobotLog | None = None, class_names=TOY_CLASSES, as
     room = _map_of(np.concatenate([path[:, :2], seen]))
 
     def update(asks: int, alpha: float, threshold: float, kernel_std: float, xy: np.ndarray) -> tuple[str, Scene]:
-        votes = (log.obs_class == log.obs_class[asks]).astype(float)
-        votes[asks] = 0.0  # judged by the others
-        weights = association_weights(votes, np.linalg.norm(xy - xy[asks], axis=1), kernel_std)
+        votes = (log.obs_class == log.obs_class[asks]) & (np.arange(len(xy)) != asks)  # judged by the others
+        weights = association_weights(votes.astype(float), np.linalg.norm(xy - xy[asks], axis=1), kernel_std)
         probabilities = reweight(weights, alpha)
         scene = Scene(SIZE)
         _draw_map(scene, room, path, xy, log.obs_class, class_names, asks, kernel_std)
-        for k, (values, top) in enumerate(((np.append(weights, alpha), HIGHEST_WEIGHT), (probabilities, 1.12))):
-            _draw_bars(scene, k, np.where(np.arange(len(values)) == asks, np.nan, values), top, log.obs_class)
-        if threshold > 0:
-            bars = Panel(BARS[1], (-0.5, len(probabilities) - 0.5), (0.0, 1.12))
-            bars.line(scene, "threshold", [(-0.5, threshold), (len(probabilities) - 0.5, threshold)], "level")
+        _draw_answers(scene, asks, np.append(weights, alpha), probabilities, threshold, log.obs_class)
         return _words(asks, weights, probabilities, alpha, threshold or None), scene
 
     observations = choice("which sighting asks", {f"Obj_{k + 1}": k for k in range(log.num_observations)})
     observations.put(asks)
-    return Explorer(
-        None,
-        update,
-        without_kernel={"alpha": [0.05, 0.5, 0.9, 1.0, 1.5], "kernel_std": [0.05, 0.15, 0.25, 0.5, 0.7, 1.0]},
-        asks=observations,
-        alpha=slider("alpha", 0.5, 0.05, 1.5, 0.05),
-        threshold=slider("threshold (0: none)", 0.0, 0.0, 0.95, 0.05),
-        kernel_std=slider("kernel width s (m)", PAPER_KERNEL_STD, 0.05, 1.0, 0.05),
-        xy=places("sightings", seen, room),
-    )
+    sliders = {
+        "alpha": slider("alpha", 0.5, 0.05, 1.5, 0.05),
+        "threshold": slider("threshold (0: none)", 0.0, 0.0, 0.95, 0.05),
+        "kernel_std": slider("kernel width s (m)", PAPER_KERNEL_STD, 0.05, 1.0, 0.05),
+    }
+    return Explorer(None, update, FRAMES, asks=observations, **sliders, xy=places("sightings", seen, room))
 
 
 def _map_of(xy: np.ndarray) -> Panel:
@@ -94,6 +87,16 @@ def _draw_map(scene: Scene, room: Panel, path, xy, obs_class, class_names, asks:
     for k, point in enumerate(xy):
         name = f"Obj_{k + 1}, {class_names[obs_class[k]]}, at {point[0]:.2f} m, {point[1]:.2f} m"
         room.handle(scene, f"handle {k}", point, ("xy", k), name, radius=13.0)
+
+
+def _draw_answers(scene: Scene, asks: int, weights, probabilities, threshold: float, obs_class) -> None:
+    """Weights and probabilities of all but the one that asks, and the threshold where there is one."""
+    itself = np.arange(len(probabilities)) == asks
+    for row, (values, top) in enumerate(((weights, HIGHEST_WEIGHT), (probabilities, HIGHEST_PROBABILITY))):
+        _draw_bars(scene, row, np.where(itself, np.nan, values), top, obs_class)
+    if threshold > 0:
+        bars = Panel(BARS[1], (-0.5, len(probabilities) - 0.5), (0.0, HIGHEST_PROBABILITY))
+        bars.line(scene, "threshold", [(-0.5, threshold), (len(probabilities) - 0.5, threshold)], "level")
 
 
 def _draw_bars(scene: Scene, row: int, values: np.ndarray, top: float, obs_class) -> None:

@@ -37,7 +37,7 @@ def explore_method(log: RobotLog, truth: GroundTruth) -> Explorer:
         return words(alpha, threshold, snapshots, truth)
 
     sliders = {"alpha": slider("alpha", 0.9, 0.05, 1.5, 0.05), "threshold": choice("acceptance", RULES)}
-    frames = {"alpha": (0.3, 0.9, 1.2), "threshold": (None, 0.01, 0.5)}
+    frames = {"alpha": (0.3, 0.9, 1.2), "threshold": (None, 0.03)}
     return Explorer(figure, update, frames, **sliders)
 
 

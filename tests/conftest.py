@@ -25,8 +25,6 @@ os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [_ROOT, os.environ.get("
 use_own_ports()
 # On a busy machine even a small run may take the two seconds after which a bar appears among the words under test.
 os.environ["TQDM_DISABLE"] = "1"
-# Notebooks are compared with what is committed: explorers with their frames.
-os.environ["NPSLAM_TEACH_FRAMES"] = "1"
 
 
 @pytest.fixture(scope="session")

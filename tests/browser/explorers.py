@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import nbformat
-from lab_server import ROOT, timeout_error
+from lab_server import ROOT, open_notebook, run_all_cells, timeout_error, write_notebook
 from slices import needed_statements
 
 from npslam_teach.course.controls import Choice, Control, Places
@@ -34,22 +34,41 @@ def lessons_with_explorers() -> list[str]:
     return [path.name for path in paths if EXPLORE.search(path.read_text(encoding="utf-8"))]
 
 
+def sources_of(lesson: str) -> list[str]:
+    """Code cells that make and show the explorers of a lesson: of its own cells, what they depend on."""
+    cells = nbformat.read(ROOT / "notebooks" / lesson, as_version=4).cells
+    # The cell that gets the course where it is missing awaits, as only a notebook can.
+    installing = [cell for cell in cells if "install" in cell.metadata.get("tags", [])]
+    sources = [cell.source for cell in cells if cell.cell_type == "code" and cell not in installing]
+    with_explorers = {k for k, source in enumerate(sources) if EXPLORE.search(source)}
+    return [source for source in needed_statements(sources, with_explorers) if source]
+
+
 @functools.cache
 def explorers_of(lesson: str) -> list[Explorer]:
     """The explorers of a lesson, in the order of their cells, made in this process of the cells that they depend on.
 
     They are made once in a process, and stand where the last test has left them.
     """
-    cells = nbformat.read(ROOT / "notebooks" / lesson, as_version=4).cells
-    # The cell that gets the course where it is missing awaits, as only a notebook can.
-    installing = [cell for cell in cells if "install" in cell.metadata.get("tags", [])]
-    sources = [cell.source for cell in cells if cell.cell_type == "code" and cell not in installing]
-    with_explorers = {k for k, source in enumerate(sources) if EXPLORE.search(source)}
     namespace = {"__name__": lesson}
     with contextlib.redirect_stdout(io.StringIO()):
-        for k, source in enumerate(needed_statements(sources, with_explorers)):
+        for k, source in enumerate(sources_of(lesson)):
             exec(compile(source, f"{lesson}, code cell {k}", "exec"), namespace)
     return [each for each in namespace.values() if isinstance(each, Explorer)]
+
+
+def open_explorers(page, lab, lesson: str, name: str) -> None:
+    """Open and run a notebook of its own that has the explorers of a lesson, with a kernel of its own.
+
+    Args:
+        page: an empty one.
+        lab: ``lab_server.Lab``.
+        lesson: the name of the lesson's notebook.
+        name: of the notebook that is written.
+    """
+    write_notebook(lab.folder / "notebooks" / name, *sources_of(lesson))
+    open_notebook(page, lab, name)
+    run_all_cells(page)
 
 
 @dataclass

@@ -1,15 +1,13 @@
-"""An explorer in a real JupyterLab: who owns the state, what the hand does, and what is left without a kernel."""
+"""An explorer in a real JupyterLab: who owns the state, and what the hand does."""
 
 import re
 
-import nbformat
 import numpy as np
 import pytest
 from axe import violations
-from explorers import EXPLORER, PICTURE, Shown
+from explorers import EXPLORER, Shown
 from lab_server import ROOT, new_context, open_notebook, run_all_cells, saved, timeout_error, write_notebook
 
-from npslam_teach.course import frames
 from npslam_teach.course.dirichlet_process.explorer import explore_association
 
 SHOTS = ROOT / "build" / "screenshots"
@@ -184,67 +182,3 @@ def test_run_all_shows_what_the_lesson_sets(window, lab):
     assert shown.picture()["source"] == [[tag, attributes, *(text or [""])] for tag, attributes, *text in parts]
     assert shown.root.locator("svg, img").count() == 1, "one picture, not a second one below"
     page.close()
-
-
-# --- without a kernel ------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def still(tmp_path_factory):
-    """A page with what is committed for an explorer, and the explorer."""
-    explorer = explore_association()
-    source = frames.html_of(explorer, with_frames=True)
-    path = tmp_path_factory.mktemp("still") / "lesson.html"
-    head = "<!doctype html><html lang='en'><meta name='viewport' content='width=device-width'><title>lesson</title>"
-    path.write_text(f"{head}<main><h1>lesson</h1>{source}</main></html>", encoding="utf-8")
-    return path.as_uri(), explorer
-
-
-@pytest.mark.parametrize("width", [390, 800, 1280])
-def test_frames_follow_mouse_touch_and_keys_without_a_kernel(still, chromium, width):
-    address, explorer = still
-    context = new_context(chromium, viewport={"width": width, "height": 900}, reduced_motion="reduce", has_touch=True)
-    page = context.new_page()
-    failures = []
-    page.on("pageerror", lambda error: failures.append(str(error)))
-    page.goto(address)
-    alpha, kernel = (page.locator(f"[data-control={name}]") for name in ("alpha", "kernel_std"))
-    alpha.press("End")
-    assert shown_words(page) == explorer.move(alpha=1.5)
-    box = kernel.bounding_box()
-    page.mouse.click(box["x"] + box["width"] - 3, box["y"] + box["height"] / 2)
-    words = explorer.move(kernel_std=1.0)
-    assert page.evaluate(f"({PICTURE})(document.querySelector('{EXPLORER}'))")["words"] == words
-    assert kernel.evaluate("each => each.getAttribute('aria-valuetext')") == "1.00"
-    box = alpha.bounding_box()
-    page.touchscreen.tap(box["x"] + 3, box["y"] + box["height"] / 2)
-    page.wait_for_function(
-        "words => document.querySelector('figcaption').textContent === words", arg=explorer.move(alpha=0.05)
-    )
-    assert page.locator("[data-index]").count() == 0, "nothing to drag where nothing answers"
-    assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
-    assert violations(page) == [] and failures == []
-    SHOTS.mkdir(parents=True, exist_ok=True)
-    page.screenshot(path=SHOTS / f"frames_04_{width}.png")
-    explorer.move(alpha=0.5, kernel_std=explore_association().values()["kernel_std"])
-    context.close()
-
-
-def test_where_scripts_are_stripped_the_picture_stands(still, chromium):
-    address, explorer = still
-    context = new_context(chromium, java_script_enabled=False)
-    page = context.new_page()
-    page.goto(address)
-    image = page.locator("main img")
-    assert image.get_attribute("alt") == explorer.words and image.bounding_box()["height"] > 300
-    context.close()
-
-
-@pytest.mark.parametrize("lesson", sorted(path.name for path in (ROOT / "notebooks").glob("[0-9]*.ipynb")))
-def test_no_lesson_is_heavier_than_its_budget(lesson):
-    path = ROOT / "notebooks" / lesson
-    assert path.stat().st_size < 1_500_000
-    for cell in nbformat.read(path, as_version=4).cells:
-        for output in cell.get("outputs", []):
-            data = output.get("data", {})
-            assert not ("text/html" in data and any("widget-view" in kind for kind in data)), "two for one"

@@ -6,15 +6,13 @@ Whether a page shows what the library says is the business of ``test_lessons``.
 import gc
 import itertools
 import os
-import shutil
 import sys
 import tracemalloc
 from pathlib import Path
 
 import psutil
 import pytest
-from explorers import Shown, explorers_of, lessons_with_explorers
-from lab_server import open_notebook, run_all_cells
+from explorers import Shown, explorers_of, lessons_with_explorers, open_explorers
 from matplotlib import pyplot
 
 from npslam_teach.course.controls import Places
@@ -122,11 +120,7 @@ class Footprint:
 @pytest.mark.parametrize("lesson", LESSONS_IN_A_PAGE)
 def test_key_presses_leave_nothing_behind_in_a_page(lesson, page, lab, record_property):
     known = {kernel.pid for kernel in kernels_of(lab.folder)}
-    # A notebook of its own, whose kernel no other test has started.
-    notebook = f"memory_{lesson}"
-    shutil.copy(lab.folder / "notebooks" / lesson, lab.folder / "notebooks" / notebook)
-    open_notebook(page, lab, notebook)
-    run_all_cells(page)
+    open_explorers(page, lab, lesson, f"memory_{lesson}")
     (kernel,) = (each for each in kernels_of(lab.folder) if each.pid not in known)
     explorer = Shown(page, 0, explorers_of(lesson)[0])
     slider = next(control for control in explorer.controls if not control.is_list)

@@ -14,8 +14,8 @@ from lab_server import ROOT, new_context
 
 SHOTS = ROOT / "build" / "screenshots"
 FROZEN = re.compile(r"frozen\((.*)\), el: place")
-BUDGET = 1_500_000  # bytes of a lesson
 KEYS = {"slider": ("ArrowRight", "ArrowLeft"), "choice": ("ArrowDown", "ArrowUp")}  # forward and back
+BUDGET = 1_500_000  # bytes of a lesson
 PHONE, NARROW, LAPTOP = 390, 800, 1280  # px
 
 
@@ -139,8 +139,7 @@ def test_every_slider_follows_mouse_and_finger(framed):
 @every_lesson
 def test_the_page_can_be_read_on_a_phone_and_on_a_laptop(framed, request):
     page, explorers = framed
-    for width in (KEYS = {"slider": ("ArrowRight", "ArrowLeft"), "choice": ("ArrowDown", "ArrowUp")}  # forward and back
-PHONE, NARROW, LAPTOP):
+    for width in (PHONE, NARROW, LAPTOP):
         page.set_viewport_size({"width": width, "height": 900})
         assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth"), width
         assert page.locator("[data-index]").count() == 0, "nothing to drag where nothing answers"

@@ -44,31 +44,44 @@ def sources_of(lesson: str) -> list[str]:
     return [source for source in needed_statements(sources, with_explorers) if source]
 
 
-@functools.cache
 def explorers_of(lesson: str) -> list[Explorer]:
     """The explorers of a lesson, in the order of their cells, made in this process of the cells that they depend on.
 
-    They are made once in a process, and stand where the last test has left them.
+    They are made once in a process; whatever the last test has moved is put back.
     """
+    for explorer, values in _made(lesson):
+        explorer.move(**values)
+    return [explorer for explorer, _ in _made(lesson)]
+
+
+@functools.cache
+def _made(lesson: str) -> list[tuple[Explorer, dict]]:
+    """Explorers and the values that they begin with."""
     namespace = {"__name__": lesson}
     with contextlib.redirect_stdout(io.StringIO()):
         for k, source in enumerate(sources_of(lesson)):
             exec(compile(source, f"{lesson}, code cell {k}", "exec"), namespace)
-    return [each for each in namespace.values() if isinstance(each, Explorer)]
+    return [(each, each.values()) for each in namespace.values() if isinstance(each, Explorer)]
 
 
-def open_explorers(page, lab, lesson: str, name: str) -> None:
-    """Open and run a notebook of its own that has the explorers of a lesson, with a kernel of its own.
+def open_explorers(page, lab, name: str, lessons: list[str]) -> dict[str, list["Shown"]]:
+    """The explorers of some lessons in one notebook that has run on a kernel of its own; by lesson, with their twins.
 
     Args:
         page: an empty one.
         lab: ``lab_server.Lab``.
-        lesson: the name of the lesson's notebook.
         name: of the notebook that is written.
+        lessons: the names of their notebooks.
     """
-    write_notebook(lab.folder / "notebooks" / name, *sources_of(lesson))
+    write_notebook(lab.folder / "notebooks" / name, *(source for each in lessons for source in sources_of(each)))
     open_notebook(page, lab, name)
     run_all_cells(page)
+    twins = [(each, twin) for each in lessons for twin in explorers_of(each)]
+    assert page.locator(EXPLORER).count() == len(twins)
+    shown = {each: [] for each in lessons}
+    for number, (each, twin) in enumerate(twins):
+        shown[each].append(Shown(page, number, twin))
+    return shown
 
 
 @dataclass
@@ -77,6 +90,7 @@ class ShownControl:
 
     name: str  # of the argument of the explorer's update
     twin: Control  # the same control of the explorer in this process
+    start: object  # its value when the page was opened, which may lie beside the grid
     locator: object  # what has the focus when it is used
     readout: object  # the field with the number of a slider
 
@@ -91,6 +105,13 @@ class ShownControl:
     def index(self) -> int:
         """Which of them the page shows."""
         return int(self.locator.evaluate("each => each.selectedIndex ?? each.value"))
+
+    def value(self):
+        """What the page shows: of a slider the number in its field, which has four digits."""
+        if self.is_list:
+            return self.values()[self.index()]
+        number = float(self.readout.input_value())
+        return min([*self.values(), self.start], key=lambda each: abs(each - number))
 
     def key(self, forward: bool) -> str:
         return {True: ("ArrowRight", "ArrowDown"), False: ("ArrowLeft", "ArrowUp")}[forward][self.is_list]
@@ -107,12 +128,14 @@ class Shown:
         for name, control in twin.sliders.items():
             if not isinstance(control, Places):
                 here = root.locator(f"[data-control={name}]")
-                self.controls.append(ShownControl(name, control, here, here.locator("xpath=../input[@type='text']")))
+                self.controls.append(
+                    ShownControl(name, control, control.value, here, here.locator("xpath=../input[@type='text']"))
+                )
         root.evaluate(MEASURE)
 
     def values(self) -> dict:
         """What the page's controls are set to."""
-        return {control.name: control.values()[control.index()] for control in self.controls}
+        return {control.name: control.value() for control in self.controls}
 
     def picture(self) -> dict:
         """The picture, its alternative text and the words under it."""

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import psutil
 import pytest
-from explorers import Shown, explorers_of, lessons_with_explorers, open_explorers
+from explorers import explorers_of, lessons_with_explorers, open_explorers
 from matplotlib import pyplot
 
 from npslam_teach.course.controls import Places
@@ -120,9 +120,8 @@ class Footprint:
 @pytest.mark.parametrize("lesson", LESSONS_IN_A_PAGE)
 def test_key_presses_leave_nothing_behind_in_a_page(lesson, page, lab, record_property):
     known = {kernel.pid for kernel in kernels_of(lab.folder)}
-    open_explorers(page, lab, lesson, f"memory_{lesson}")
+    explorer = open_explorers(page, lab, f"memory_{lesson}", [lesson])[lesson][0]
     (kernel,) = (each for each in kernels_of(lab.folder) if each.pid not in known)
-    explorer = Shown(page, 0, explorers_of(lesson)[0])
     slider = next(control for control in explorer.controls if not control.is_list)
 
     def press(times: int) -> None:

@@ -6,17 +6,16 @@ Whether a page shows what the library says is the business of ``test_lessons``.
 import gc
 import itertools
 import os
-import shutil
 import sys
 import tracemalloc
 from pathlib import Path
 
 import psutil
 import pytest
-from explorers import Shown, explorers_of, lessons_with_explorers, values_of
-from lab_server import open_notebook, run_all_cells
+from explorers import explorers_of, lessons_with_explorers, open_explorers
 from matplotlib import pyplot
 
+from npslam_teach.course.controls import Places
 from npslam_teach.pose_graph import factorization
 
 # A few steps show that nothing stays. Only where something has grown, which may be a store that fills, more decide.
@@ -31,14 +30,15 @@ LIMITS = {"heap": 20_000, "kernel": 40_000, "nodes": 2, "listeners": 1}
 LESSONS_IN_A_PAGE = ("04_dirichlet_process.ipynb", "07_fifteen_objects.ipynb")  # a toy; the whole method at every step
 
 
-def number_of_artists(figure) -> int:
-    return len(figure.findobj())
+def number_of_artists(explorer) -> int:
+    return len(explorer.figure.findobj() if explorer.figure else explorer.scene.parts)
 
 
 def to_and_fro(explorer):
     """Moves of every control in turn, through its whole range and back, for ever."""
-    for name, widget in itertools.cycle(explorer.sliders.items()):
-        values = values_of(widget)
+    controls = {name: each for name, each in explorer.sliders.items() if not isinstance(each, Places)}
+    for name, control in itertools.cycle(controls.items()):
+        values = control.grid()
         values = values[:: 1 + len(values) // 10]
         for value in values + values[-2::-1]:
             yield {name: value}
@@ -72,10 +72,10 @@ def test_steps_leave_nothing_behind_in_python(lesson):
         moves = to_and_fro(explorer)
         for move in itertools.islice(moves, WARM_UP):
             explorer.move(**move)
-        before, figures = number_of_artists(explorer.figure), pyplot.get_fignums()
+        before, figures = number_of_artists(explorer), pyplot.get_fignums()
         growth = growth_in_python(moves, explorer)
         assert pyplot.get_fignums() == figures == []
-        assert abs(number_of_artists(explorer.figure) - before) < 100  # another value may need another few
+        assert abs(number_of_artists(explorer) - before) < 100  # another value may need another few
         assert growth < BYTES_PER_STEP, f"{growth / 1e3:.1f} kB a step"
 
 
@@ -120,13 +120,8 @@ class Footprint:
 @pytest.mark.parametrize("lesson", LESSONS_IN_A_PAGE)
 def test_key_presses_leave_nothing_behind_in_a_page(lesson, page, lab, record_property):
     known = {kernel.pid for kernel in kernels_of(lab.folder)}
-    # A notebook of its own, whose kernel no other test has started.
-    notebook = f"memory_{lesson}"
-    shutil.copy(lab.folder / "notebooks" / lesson, lab.folder / "notebooks" / notebook)
-    open_notebook(page, lab, notebook)
-    run_all_cells(page)
+    explorer = open_explorers(page, lab, f"memory_{lesson}", [lesson])[lesson][0]
     (kernel,) = (each for each in kernels_of(lab.folder) if each.pid not in known)
-    explorer = Shown(page, 0, explorers_of(lesson)[0])
     slider = next(control for control in explorer.controls if not control.is_list)
 
     def press(times: int) -> None:

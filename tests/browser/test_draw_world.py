@@ -4,9 +4,10 @@ import re
 import statistics
 import time
 
+import nbformat
 import numpy as np
 import pytest
-from lab_server import LARGE_WINDOW, new_context, open_notebook, run_all_cells, saved, write_notebook
+from lab_server import LARGE_WINDOW, ROOT, new_context, open_notebook, run_all_cells, saved, write_notebook
 
 from npslam_teach import datasets, np_graph
 from npslam_teach.course.draw_your_own_world import messages
@@ -76,7 +77,7 @@ class Room:
         """Save with the button, and read the file with the library."""
         self.root.get_by_role("textbox", name="File").fill(name)
         self.root.get_by_role("button", name="Save").click()
-        self.root.locator(".note", has_text=f"solve {name}").wait_for()
+        self.root.locator(".note", has_text=f"/{name}").wait_for()
         return datasets.load_log(self.folder / name)
 
     def assert_right(self, name: str) -> messages.SolvedWorld:
@@ -430,7 +431,8 @@ def test_the_lesson_runs_and_its_map_can_be_drawn_on(lab, chromium):
     open_notebook(page, lab, name, "lesson")
     run_all_cells(page)
     outputs = [output for cell in saved(page, lab, name).cells for output in cell.get("outputs", [])]
-    assert len(outputs) > 15
+    committed = nbformat.read(ROOT / "notebooks" / name, as_version=4)
+    assert len(outputs) == sum(len(cell.get("outputs", [])) for cell in committed.cells) > 10
     assert not [output for output in outputs if output.output_type == "error" or output.get("name") == "stderr"]
     room = Room(page, lab.folder / "notebooks")
     room.map.scroll_into_view_if_needed()
@@ -441,3 +443,67 @@ def test_the_lesson_runs_and_its_map_can_be_drawn_on(lab, chromium):
     assert room.words != before
     room.assert_right("lesson.npz")
     page.context.close()
+
+
+def test_undo_and_redo_with_buttons_and_keys(room):
+    before, words = room.root.get_by_role("combobox", name="Selected").locator("option").count(), room.words
+    room.root.get_by_role("button", name="Add in the middle").click()
+    room.wait()
+    added = room.words
+    assert room.root.get_by_role("combobox", name="Selected").locator("option").count() == before + 1
+    room.map.focus()
+    for key, count, said in (
+        ("Control+z", before, words),
+        ("Control+Shift+z", before + 1, added),
+        ("Control+z", before, words),
+    ):
+        room.page.keyboard.press(key)
+        room.page.wait_for_function(
+            "said => document.querySelector('.draw-world .words').textContent === said", arg=said
+        )
+        assert room.root.get_by_role("combobox", name="Selected").locator("option").count() == count
+    room.root.get_by_role("button", name="Redo").click()
+    room.page.wait_for_function("said => document.querySelector('.draw-world .words').textContent === said", arg=added)
+    room.root.get_by_role("button", name="Undo").click()
+    room.page.wait_for_function("said => document.querySelector('.draw-world .words').textContent === said", arg=words)
+
+
+def test_the_note_says_what_is_selected_and_that_nothing_is(room):
+    chosen = room.root.locator(".chosen")
+    room.root.get_by_role("button", name="Add in the middle").click()
+    room.wait()
+    assert chosen.inner_text().endswith("at x 6.0, y 4.0 m.")
+    room.root.get_by_role("button", name="Remove").click()
+    assert chosen.inner_text() == "No object is selected."
+    room.wait()
+
+
+def test_other_methods_answer_beside_the_papers(room):
+    for name in ("ekf", "posterior"):
+        room.root.get_by_role("combobox", name="Method").select_option(name)
+        room.page.wait_for_function(
+            "n => document.querySelectorAll('.draw-world .beside li').length === n", arg=2 if name == "ekf" else 3
+        )
+        room.wait()
+    lines = room.root.locator(".beside li").all_inner_texts()
+    assert [line.split(":")[0] for line in lines] == ["NP-graph", "EKF", "posterior"]
+    room.root.get_by_role("combobox", name="Method").select_option("np-graph")
+    room.wait()
+
+
+def test_an_exported_world_is_opened_by_a_friend(room, tmp_path):
+    room.root.get_by_role("button", name="Add in the middle").click()
+    room.wait()
+    words = room.words
+    with room.page.expect_download() as download:
+        room.root.get_by_role("button", name="Export for a friend").click()
+    download.value.save_as(tmp_path / "mine.json")
+    room.root.get_by_role("combobox", name="World").select_option("corridor")
+    room.wait()
+    assert room.words != words
+    room.root.get_by_label("Open a world that a friend exported").set_input_files(tmp_path / "mine.json")
+    room.page.wait_for_function("said => document.querySelector('.draw-world .words').textContent === said", arg=words)
+    (tmp_path / "other.json").write_text("[1, 2]", encoding="utf-8")
+    room.root.get_by_label("Open a world that a friend exported").set_input_files(tmp_path / "other.json")
+    room.wait()
+    assert room.words == words

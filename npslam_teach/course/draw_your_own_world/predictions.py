@@ -32,7 +32,7 @@ predict = questions(
         alts=[
             (
                 "Two maps of the room. Left, two hollow true chairs right of the middle share one filled chair; "
-                "right, where the second chair is missing, each hollow marker has its own filled one."
+                "right, where the second chair is a lamp, each hollow marker has its own filled one."
             )
         ],
     ),

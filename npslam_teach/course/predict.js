@@ -67,6 +67,7 @@
       again.hidden = kept === null;
       said.textContent = kept === null ? "" : kind.say(kept);
       details.open = kept !== null;
+      kind.reveal(details.open);
       for (const each of more()) if (key(each) === key(root)) each.querySelector("details").open = kept !== null;
       progress();
     };

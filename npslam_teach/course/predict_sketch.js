@@ -17,7 +17,8 @@ globalThis.npslamSketch = (root, make) => {
   const [mine, truth, pen] = [line("#d45e00"), line("#1a1a1a"), line("#d45e00")];
   const status = make("p", svg.parentElement, "", { "aria-live": "polite" });
   let points = [];
-  let cursor = [...JSON.parse(svg.dataset.start)];
+  const start = JSON.parse(svg.dataset.start);
+  let cursor = start;
   const draw = () => {
     mine.setAttribute("points", points.map(pixel).join(" "));
     const [x, y] = pixel(cursor);
@@ -53,7 +54,7 @@ globalThis.npslamSketch = (root, make) => {
   draw();
   return {
     read: () => (points.length ? points : null),
-    show: (kept) => { points = kept ?? []; draw(); },
+    show: (kept) => { points = kept ?? []; cursor = points.at(-1) ?? start; draw(); },
     say: (kept) => {
       const [mineEnd, end] = [kept.at(-1), answer.at(-1)];
       const off = Math.hypot(mineEnd[0] - end[0], mineEnd[1] - end[1]).toFixed(1);

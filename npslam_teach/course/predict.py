@@ -149,6 +149,10 @@ class Asked:
         """
         self._known.append(np.asarray(line, dtype=float)[:, :2])
 
+    def __repr__(self) -> str:
+        """What stands in place of the question where no HTML is shown."""
+        return f"Predict: {self._question.text}"
+
     def _repr_html_(self) -> str:
         return self._page("")
 

@@ -28,7 +28,15 @@ def lab(options) -> int:
     if hasattr(os, "geteuid") and os.geteuid() == 0:
         # In a container everybody is root, and Jupyter would refuse; it still listens on this machine only.
         arguments += ["--allow-root"]
-    return _run_module(arguments)
+    # A student's list of files begins with lessons, not with their solutions, which links still open.
+    arguments += [f"--ContentsManager.hide_globs={name}" for name in ("__pycache__", "*.py[co]", "*~", "solutions")]
+    return _run_module(arguments, {"JUPYTER_CONFIG_PATH": _config_path()})
+
+
+def _config_path() -> str:
+    """Where Jupyter looks for settings: those of the course, which ask no question about news, and the user's own."""
+    own = os.environ.get("JUPYTER_CONFIG_PATH")
+    return os.pathsep.join([str(Path(__file__).parent / "jupyter")] + ([own] if own else []))
 
 
 def test(options) -> int:

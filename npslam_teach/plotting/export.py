@@ -17,6 +17,17 @@ from npslam_teach.system.files import atomic_write
 PNG_DPI = 125  # the largest figures of the course stay below 120 kB
 FRAME_DPI = 90
 CSS_DPI = 96  # what a browser takes an inch for
+# White becomes transparent on a light page. On a dark one lightness is turned over and hues are kept, and black becomes
+# transparent. The signs of a dark page are those of JupyterLab, VS Code and Colab; where styles are stripped a picture
+# keeps its white background.
+PICTURE_CLASS = "np-figure"
+_DARK = ", ".join(
+    f"{page} img.{PICTURE_CLASS}" for page in ("[data-jp-theme-light=false]", ".vscode-dark", "html[theme=dark]")
+)
+PICTURE_STYLE = (
+    f"<style>img.{PICTURE_CLASS} {{ mix-blend-mode: multiply; }} "
+    f"{_DARK} {{ filter: invert(1) hue-rotate(180deg); mix-blend-mode: screen; }}</style>"
+)
 # Whatever a user's own settings are: random ids inside an SVG, its text, and the edges of a picture.
 _FIXED = {
     "svg.hashsalt": "npslam_teach",
@@ -85,12 +96,13 @@ def _drawn(figure: Figure, dpi: float) -> Image.Image:
     return picture.quantize(256, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
 
 
-def show(figure: Figure, alt: str):
+def show(figure: Figure | bytes, alt: str, is_photograph: bool = False):
     """A figure for a notebook, with the text that a screen reader reads instead.
 
     Args:
-        figure: the figure.
+        figure: the figure, or the bytes of an animated GIF.
         alt: what the picture shows, in a sentence or two.
+        is_photograph: keep its colours on a dark page.
 
     Returns:
         ``IPython.display.HTML``: the last value of a cell is displayed.
@@ -98,9 +110,11 @@ def show(figure: Figure, alt: str):
     Raises:
         ValueError: ``alt`` is empty.
     """
+    if isinstance(figure, bytes):
+        return show_animation(figure, alt)
     text = _checked(alt)
     # A third more pixels than it is wide on the page, for sharp lines when it is projected.
-    return _as_html("image/png", png_bytes(figure), text, figure.get_figwidth())
+    return _as_html("image/png", png_bytes(figure), text, figure.get_figwidth(), is_photograph)
 
 
 def show_animation(gif: bytes, alt: str):
@@ -133,13 +147,15 @@ def picture_tag(png: bytes, alt: str, inches) -> str:
     return _tag("image/png", png, _checked(alt), size)
 
 
-def _as_html(media_type: str, content: bytes, alt: str, inches: float):
+def _as_html(media_type: str, content: bytes, alt: str, inches: float, is_photograph: bool = False):
     # Imported here: files are also written where there is no notebook.
     from IPython.display import HTML
 
-    return HTML(_tag(media_type, content, alt, f'width="{round(inches * CSS_DPI)}" style="max-width:100%"'))
+    size = f'width="{round(inches * CSS_DPI)}" style="max-width:100%"'
+    return HTML(_tag(media_type, content, alt, size, is_photograph))
 
 
-def _tag(media_type: str, content: bytes, alt: str, size: str) -> str:
+def _tag(media_type: str, content: bytes, alt: str, size: str, is_photograph: bool = False) -> str:
     data = base64.b64encode(content).decode("ascii")
-    return f'<img alt="{html.escape(alt, quote=True)}" src="data:{media_type};base64,{data}" {size}>'
+    look, style = ("", "") if is_photograph else (f'class="{PICTURE_CLASS}" ', PICTURE_STYLE)
+    return f'<img {look}alt="{html.escape(alt, quote=True)}" src="data:{media_type};base64,{data}" {size}>{style}'

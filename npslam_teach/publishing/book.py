@@ -1,6 +1,7 @@
 """The course book: all lessons in one HTML file that needs nothing else, or that file printed to PDF."""
 
 import os
+import re
 import shutil
 import subprocess
 import tempfile
@@ -15,6 +16,10 @@ from npslam_teach.system.files import atomic_write
 
 _WIDGET = "application/vnd.jupyter.widget-view+json"
 _SLIDERS = '<p class="sliders">Here the notebook has sliders. Below, they are moved.</p>'
+# Of a question what a reader with a pencil does not need: its scripts and styles, and where an answer would be entered.
+_QUESTION, _PICTURE = '<div class="np-box np-predict"', '<img class="np-figure"'
+_FORM = re.compile(r'<(script|style|svg)\b.*?</\1>|<input\b[^>]*>|<span class="np-progress".*?</span>', re.DOTALL)
+_NUMBER = re.compile(r"<label>Your number: .*?</label> ", re.DOTALL)
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
 _INSTALLED = (
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
@@ -45,7 +50,7 @@ def write_book(folder: Path, out: Path, browser: str | None = None) -> None:
             stream.write(book_html(folder))
         return
     printer = find_browser(browser)
-    content = print_to_pdf(book_html(folder), printer)
+    content = print_to_pdf(unfolded(book_html(folder)), printer)
     with atomic_write(out, "wb") as stream:
         stream.write(content)
 
@@ -70,7 +75,7 @@ def _chapter(path: Path) -> tuple[Chapter, str]:
 
 
 def for_paper(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
-    """The lesson without what only a running notebook has: its first cell's installation, and widgets.
+    """The lesson without what only a running notebook has: its first cell's installation, widgets and forms.
 
     Args:
         notebook: the lesson, which is changed.
@@ -80,7 +85,14 @@ def for_paper(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
         for output in cell.get("outputs", []):
             if _WIDGET in output.get("data", {}):
                 output.data = {"text/html": _SLIDERS}
+            elif output.get("data", {}).get("text/html", "").startswith((_QUESTION, _PICTURE)):
+                output.data["text/html"] = _NUMBER.sub("", _FORM.sub("", output.data["text/html"]))
     return notebook
+
+
+def unfolded(page: str) -> str:
+    """The page with every result and every hint in sight: paper cannot be clicked."""
+    return page.replace("<details>", "<details open>")
 
 
 def find_browser(name: str | None = None) -> str:

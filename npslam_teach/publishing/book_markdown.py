@@ -96,7 +96,9 @@ class _Renderer(IPythonRenderer):
         return f'<h{level + 1} id="{name}">{text}</h{level + 1}>\n'
 
     def link(self, text: str, url: str, title: str | None = None) -> str:
-        """A link to another lesson stays within the book."""
+        """A link to another lesson stays within the book; the solutions are no part of it."""
+        if url.startswith("solutions/"):
+            return text
         match = _LESSON.fullmatch(url)
         return super().link(text, f"#{anchor(match.group(2))}" if match else url, title)
 

@@ -8,8 +8,8 @@ from npslam_teach.publishing.book_markdown import Chapter
 TITLE = "SLAM with objects when nobody tells you which object you see"
 _INTRODUCTION = f"""\
 <p>The lessons of npslam_teach {__version__}, as they are executed. Pictures and formulas are part of this file, so it
-reads and prints without a network. Sliders lead through pictures that were computed before; the
-exercises are there to be solved in the notebooks.</p>
+reads and prints without a network. Sliders lead through pictures that were computed before; results lie folded below
+their questions, and the exercises are there to be solved in the notebooks.</p>
 <p>The method is that of Mu, Liu, Paull, Leonard and How, <cite>SLAM with Objects using a Nonparametric Pose
 Graph</cite>, IROS 2016.</p>"""
 # Code has lines of up to 100 characters, which fit both the screen's column and the paper's.
@@ -30,6 +30,11 @@ pre { white-space: pre-wrap; overflow-wrap: anywhere; }
 code { font-family: "DejaVu Sans Mono", Consolas, Menlo, monospace; font-size: 0.88em; }
 .highlight { background: #f5f6f8; border-left: 3px solid #b9c4cf; padding: 0.55rem 0.8rem; margin: 0.9rem 0 0.3rem; }
 .output_subarea { margin: 0.3rem 0 0.9rem; padding: 0 0.8rem; }
+.np-box { border: 1px solid #3d8fd1; border-left-width: 6px; border-radius: 6px; padding: 0.4rem 0.9rem; }
+.np-box fieldset { border: 0; margin: 0; padding: 0; min-width: 0; }
+.np-box legend { padding: 0; font-weight: 600; } .np-box fieldset > ul { margin: 0.3rem 0; }
+summary { cursor: pointer; padding: 0.2rem 0; font-weight: 600; }
+details:not(.np-box details) { border-left: 3px solid #c4c9cf; padding-left: 0.8rem; margin: 0.4rem 0; }
 .sliders { font-style: italic; color: #444; }
 table { border-collapse: collapse; margin: 1rem 0; font-size: 0.92rem; width: 100%; }
 th, td { border: 1px solid #c4c9cf; padding: 0.3rem 0.55rem; text-align: left; vertical-align: top; }
@@ -44,6 +49,7 @@ math { font-family: "Latin Modern Math", "STIX Two Math", "Cambria Math", "DejaV
   h2, h3, h4 { break-after: avoid; }
   img, .formula, tr { break-inside: avoid; }
   .formula { overflow-x: visible; }
+  details::details-content { content-visibility: visible; block-size: auto; }
 }
 """
 _PAGE = """\

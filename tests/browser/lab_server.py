@@ -69,17 +69,8 @@ def running_lab(folder: Path, settings: Path) -> Iterator[Lab]:
     """
     own = {f"JUPYTER_{name}_DIR": str(settings / name.lower()) for name in ("CONFIG", "DATA", "RUNTIME")}
     own |= {"IPYTHONDIR": str(settings / "ipython")}
-    _write_settings(settings / "config")
     with lab_process.running_lab(folder, settings / "lab.log", own) as running:
         yield Lab(running.site, running.token, folder)
-
-
-def _write_settings(config: Path) -> None:
-    """Nothing that pops up over the page: no question about news."""
-    folder = config / "lab" / "user-settings" / "@jupyterlab" / "apputils-extension"
-    folder.mkdir(parents=True)
-    text = '{"fetchNews": "false", "checkForUpdates": false}'
-    (folder / "notification.jupyterlab-settings").write_text(text, encoding="utf-8")
 
 
 @contextlib.contextmanager

@@ -4,9 +4,10 @@ import re
 import statistics
 import time
 
+import nbformat
 import numpy as np
 import pytest
-from lab_server import LARGE_WINDOW, new_context, open_notebook, run_all_cells, saved, write_notebook
+from lab_server import LARGE_WINDOW, ROOT, new_context, open_notebook, run_all_cells, saved, write_notebook
 
 from npslam_teach import datasets, np_graph
 from npslam_teach.course.draw_your_own_world import messages
@@ -34,13 +35,13 @@ class Room:
         scale = (box["width"] - 2 - 48) / width
         return left + x * scale, top + (height - y) * scale
 
-    def drag(self, points) -> None:
-        """Press, move through the places, lift."""
+    def drag(self, points, steps: int = 2) -> None:
+        """Press, move through the places, each in so many steps, lift."""
         self.map.scroll_into_view_if_needed()
         self.page.mouse.move(*self.pixel(*points[0]))
         self.page.mouse.down()
         for point in points[1:]:
-            self.page.mouse.move(*self.pixel(*point), steps=2)
+            self.page.mouse.move(*self.pixel(*point), steps=steps)
         self.page.mouse.up()
 
     def color(self, x: float, y: float) -> str:
@@ -72,11 +73,16 @@ class Room:
         last = len(self.bars) - 1
         self.page.wait_for_function(f"document.querySelector('.draw-world').dataset.round === '{last}'")
 
+    def skip(self) -> None:
+        """To the last round at once: nobody needs to wait for those in between."""
+        self.root.locator(".bars button").last.press("Enter")
+        self.rest()
+
     def saved(self, name: str):
         """Save with the button, and read the file with the library."""
         self.root.get_by_role("textbox", name="File").fill(name)
         self.root.get_by_role("button", name="Save").click()
-        self.root.locator(".note", has_text=f"solve {name}").wait_for()
+        self.root.locator(".note", has_text=f"/{name}").wait_for()
         return datasets.load_log(self.folder / name)
 
     def assert_right(self, name: str) -> messages.SolvedWorld:
@@ -90,7 +96,7 @@ class Room:
 @pytest.fixture(scope="module")
 def opened(chromium, lab):
     """One widget for all tests, in a notebook of its own; an error in the page fails the test that is running."""
-    page = new_context(chromium, viewport=LARGE_WINDOW).new_page()
+    page = new_context(chromium, viewport=LARGE_WINDOW, has_touch=True).new_page()
     write_notebook(lab.folder / "notebooks" / "world.ipynb", WIDGET)
     open_notebook(page, lab, "world.ipynb", "world")
     run_all_cells(page)
@@ -112,8 +118,7 @@ def room(opened):
     opened.root.get_by_role("button", name="Draw the path").click()
     opened.root.get_by_role("combobox", name="World", exact=True).select_option("fifteen")
     opened.wait()
-    opened.root.locator(".bars button").last.press("Enter")  # nobody needs to wait for the rounds in between
-    opened.rest()
+    opened.skip()
     yield opened
     assert not opened.errors
 
@@ -130,7 +135,7 @@ def apart(color: str, other: str) -> int:
     return max(abs(int(color[k : k + 2], 16) - int(other[k : k + 2], 16)) for k in (1, 3, 5))
 
 
-def eight(rounds: float, num_points: int = 90) -> list:
+def eight(rounds: float, num_points: int = 60) -> list:
     phase = np.linspace(0.0, 2 * np.pi * rounds, num_points)
     return np.column_stack([6 + 4.2 * np.sin(phase), 4 + 2.6 * np.sin(2 * phase)]).tolist()
 
@@ -183,7 +188,7 @@ def test_the_map_follows_the_drag_and_shows_the_estimate_in_the_colour_of_its_cl
     assert state == ["done", request], "nothing is sent while the mouse is down"
     room.page.mouse.up()
     room.wait()
-    room.rest()
+    room.skip()
     solved = room.assert_right("colours.npz")
     result = messages.answer(solved)["rounds"][-1]["objects"]
     off = [apart(room.color(x, y), CLASS_COLORS[int(c)]) for x, y, c, _ in np.reshape(result, (-1, 4))]
@@ -255,8 +260,7 @@ def test_a_drawing_that_cannot_be_used_says_why_and_keeps_the_world(room):
     assert re.fullmatch(
         r"path: expected at least 1 m, .* a click alone is no path\. The last good world is kept\.", room.words
     )
-    room.root.get_by_role("button", name="Play the rounds").click()
-    room.rest()
+    room.skip()
     room.drag([(8.4, 4.2), (8.5, 4.3)])
     room.wait()
     assert room.words != before
@@ -313,7 +317,7 @@ def test_the_rounds_glide_but_not_for_those_who_want_no_motion(room):
 
 
 def test_saving_and_loading(room):
-    room.drag(eight(1.0))
+    room.drag(eight(1.0), steps=1)
     room.wait()
     words, bars = room.words, room.bars
     room.saved("mine.npz")
@@ -330,15 +334,8 @@ def test_saving_and_loading(room):
     room.root.locator(".note", has_text="absent.npz: expected a file, found nothing of that name").wait_for()
 
 
-def test_a_finger_draws(lab, chromium):
-    context = new_context(chromium, viewport=LARGE_WINDOW, has_touch=True)
-    page = context.new_page()
-    write_notebook(lab.folder / "notebooks" / "touch.ipynb", WIDGET)
-    open_notebook(page, lab, "touch.ipynb", "touch")
-    run_all_cells(page)
-    room = Room(page, lab.folder / "notebooks")
-    room.wait()
-    session = context.new_cdp_session(page)
+def test_a_finger_draws(room):
+    session = room.page.context.new_cdp_session(room.page)
 
     def touch(kind, *places):
         points = [dict(zip("xy", room.pixel(*place), strict=True)) for place in places]
@@ -352,7 +349,6 @@ def test_a_finger_draws(lab, chromium):
     room.wait()
     path = room.assert_right("touch.npz").truth.poses
     assert abs(path[0, 0] - 2.0) < 0.1 and abs(path[-1, 0] - 10.0) < 0.2
-    context.close()
 
 
 def test_drawings_do_not_pile_up_while_the_kernel_works(room):
@@ -387,7 +383,7 @@ def test_the_first_result_is_there_within_300_ms(moving_room, record_property):
         begin = time.perf_counter()
         messages.solve(*world)
         peer.append(1000 * (time.perf_counter() - begin))
-        room.drag(eight(1.05))
+        room.drag(eight(1.05), steps=1)
         room.wait()
         first.append(float(room.root.get_attribute("data-first")))
         last.append(float(room.root.get_attribute("data-last")))
@@ -424,20 +420,92 @@ def test_every_control_has_a_name(room):
     assert room.root.locator(".words").get_attribute("aria-live") == "polite"
 
 
-def test_the_lesson_runs_and_its_map_can_be_drawn_on(lab, chromium):
-    name = "draw_your_own_world.ipynb"
+def test_the_lesson_begins_with_a_map_that_can_be_drawn_on(lab, chromium):
+    """Its cells down to the map and the pictures of its rounds; nbval runs them all."""
+    path = lab.folder / "notebooks" / "draw_your_own_world.ipynb"
+    notebook = nbformat.read(path, as_version=4)
+    last = next(k for k, cell in enumerate(notebook.cells) if "world.snapshots" in cell.source)
+    del notebook.cells[last + 1 :]
+    nbformat.write(notebook, path)
     page = new_context(chromium, viewport=LARGE_WINDOW).new_page()
-    open_notebook(page, lab, name, "lesson")
+    open_notebook(page, lab, path.name, "lesson")
     run_all_cells(page)
-    outputs = [output for cell in saved(page, lab, name).cells for output in cell.get("outputs", [])]
-    assert len(outputs) > 15
-    assert not [output for output in outputs if output.output_type == "error" or output.get("name") == "stderr"]
+    committed = nbformat.read(ROOT / "notebooks" / path.name, as_version=4).cells[: last + 1]
+    shown, wanted = (
+        [output.output_type for cell in cells for output in cell.get("outputs", [])]
+        for cells in (saved(page, lab, path.name).cells, committed)
+    )
+    assert shown == wanted and len(shown) >= 3
     room = Room(page, lab.folder / "notebooks")
     room.map.scroll_into_view_if_needed()
     room.wait()
     before = room.words
-    room.drag(eight(1.0))
+    room.drag(eight(1.0), steps=1)
     room.wait()
     assert room.words != before
     room.assert_right("lesson.npz")
     page.context.close()
+
+
+def test_undo_and_redo_with_buttons_and_keys(room):
+    before, words = room.root.get_by_role("combobox", name="Selected").locator("option").count(), room.words
+    room.root.get_by_role("button", name="Add in the middle").click()
+    room.wait()
+    added = room.words
+    assert room.root.get_by_role("combobox", name="Selected").locator("option").count() == before + 1
+    room.map.focus()
+    for key, count, said in (
+        ("Control+z", before, words),
+        ("Control+Shift+z", before + 1, added),
+        ("Control+z", before, words),
+    ):
+        room.page.keyboard.press(key)
+        room.page.wait_for_function(
+            "said => document.querySelector('.draw-world .words').textContent === said", arg=said
+        )
+        assert room.root.get_by_role("combobox", name="Selected").locator("option").count() == count
+    room.root.get_by_role("button", name="Redo").click()
+    room.page.wait_for_function("said => document.querySelector('.draw-world .words').textContent === said", arg=added)
+    room.root.get_by_role("button", name="Undo").click()
+    room.page.wait_for_function("said => document.querySelector('.draw-world .words').textContent === said", arg=words)
+
+
+def test_the_note_says_what_is_selected_and_that_nothing_is(room):
+    chosen = room.root.locator(".chosen")
+    room.root.get_by_role("button", name="Add in the middle").click()
+    room.wait()
+    assert chosen.inner_text().endswith("at x 6.0, y 4.0 m.")
+    room.root.get_by_role("button", name="Remove").click()
+    assert chosen.inner_text() == "No object is selected."
+    room.wait()
+
+
+def test_other_methods_answer_beside_the_papers(room):
+    for name in ("ekf", "posterior"):
+        room.root.get_by_role("combobox", name="Method").select_option(name)
+        room.page.wait_for_function(
+            "n => document.querySelectorAll('.draw-world .beside li').length === n", arg=2 if name == "ekf" else 3
+        )
+        room.wait()
+    lines = room.root.locator(".beside li").all_inner_texts()
+    assert [line.split(":")[0] for line in lines] == ["NP-graph", "EKF", "posterior"]
+    room.root.get_by_role("combobox", name="Method").select_option("np-graph")
+    room.wait()
+
+
+def test_an_exported_world_is_opened_by_a_friend(room, tmp_path):
+    room.root.get_by_role("button", name="Add in the middle").click()
+    room.wait()
+    words = room.words
+    with room.page.expect_download() as download:
+        room.root.get_by_role("button", name="Export for a friend").click()
+    download.value.save_as(tmp_path / "mine.json")
+    room.root.get_by_role("combobox", name="World").select_option("corridor")
+    room.wait()
+    assert room.words != words
+    room.root.get_by_label("Open a world that a friend exported").set_input_files(tmp_path / "mine.json")
+    room.page.wait_for_function("said => document.querySelector('.draw-world .words').textContent === said", arg=words)
+    (tmp_path / "other.json").write_text("[1, 2]", encoding="utf-8")
+    room.root.get_by_label("Open a world that a friend exported").set_input_files(tmp_path / "other.json")
+    room.wait()
+    assert room.words == words

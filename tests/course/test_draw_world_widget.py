@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import tomllib
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from npslam_teach import datasets, np_graph
 from npslam_teach.cli import parser
 from npslam_teach.course.draw_your_own_world import explorer, messages
 from npslam_teach.course.draw_your_own_world.explorer import DrawWorld
+from npslam_teach.methods import METHODS
 from npslam_teach.plotting.style import CLASS_COLORS, CLASS_MARKERS
 from npslam_teach.simulate import GALLERY, fifteen_objects
 from npslam_teach.simulate.hand_drawn import MAX_LENGTH
@@ -79,7 +81,7 @@ def test_python_is_told_by_an_exception(world):
 
 
 def test_an_error_of_the_program_reaches_the_student_and_is_not_swallowed(world, monkeypatch):
-    def broken(log, truth):
+    def broken(log, truth, method):
         raise RuntimeError("out of order")
 
     monkeypatch.setattr(explorer, "solve", broken)
@@ -94,6 +96,17 @@ def test_choosing_a_world_by_name(world):
     assert world.drawing["room"] == [0, 0, 36, 9]
     with pytest.raises(ValueError, match=r"^world: expected one of fifteen, empty, twins, .*, got 'nowhere'$"):
         world.choose("nowhere")
+
+
+def test_another_method_answers_on_the_same_run(world):
+    world.change(**SHORT, objects=[chair(6, 6), chair(9, 5)])
+    words = {name: world.change(method=name) for name in messages.SHOWN_METHODS}
+    log = world.log
+    for name, text in words.items():
+        counts = " → ".join(str(each.num_objects) for each in METHODS[name](log))
+        assert text.startswith(f"Objects: {counts};")
+    with pytest.raises(ValueError, match="^method: expected one of np-graph, ekf, posterior, got 'magic'$"):
+        world.change(method="magic")
 
 
 def test_changing_the_noise_drives_again(world):
@@ -115,8 +128,12 @@ def test_a_saved_world_is_solved_on_the_command_line_with_the_same_counts(world,
     monkeypatch.chdir(tmp_path)
     from_page(world, **SHORT, objects=[chair(6, 6), chair(9, 5)])
     world._handle_message(world, {"do": "save", "file": "mine.npz"}, [])
-    assert world.sent == [{"note": "Saved. Solve it with: python3 -m npslam_teach solve mine.npz"}]
-    assert parser.main(["solve", "mine.npz", "--json"]) == 0
+    ((note,),) = [each.values() for each in world.sent]
+    to, course, and_, *command = shlex.split(note.removeprefix("Saved. In a terminal: "))
+    assert (to, and_) == ("cd", "&&") and (Path(course) / "npslam_teach").is_dir()
+    assert command == ["python3", "-m", "npslam_teach", "solve", str(tmp_path / "mine.npz")]
+    monkeypatch.chdir(course)
+    assert parser.main([*command[3:], "--json"]) == 0
     solved = json.loads(capsys.readouterr().out)
     assert solved["counts_per_iteration"] == [each["count"] for each in world.answer["rounds"]]
     assert solved["metrics"]["mean_pose_error"] == pytest.approx(messages.pose_error(world.solved, -1))
@@ -194,8 +211,10 @@ def test_wheels_contain_the_page():
     patterns = project["tool"]["setuptools"]["package-data"]
     for path in PACKAGE.rglob("*"):
         if path.is_file() and path.suffix not in (".py", ".pyc"):
-            package = ".".join(("npslam_teach", *path.relative_to(PACKAGE).parent.parts))
-            assert any(path.match(pattern) for pattern in patterns.get(package, [])), path
+            folder = next(each for each in path.parents if (each / "__init__.py").exists())
+            package = ".".join(("npslam_teach", *folder.relative_to(PACKAGE).parts))
+            inside = path.relative_to(folder)
+            assert any(inside.match(pattern) for pattern in patterns.get(package, [])), path
 
 
 def test_presets_can_be_driven(world):

@@ -82,7 +82,8 @@ def test_the_last_cell_sums_up(notebook):
 
 def test_size(notebook):
     assert 20 <= len(notebook.cells) <= 50
-    lengths = [len(cell.source.splitlines()) for cell in code_cells(notebook)]
+    # The line that asks for a prediction is not part of the idea.
+    lengths = [sum("with predict(" not in line for line in cell.source.splitlines()) for cell in code_cells(notebook)]
     assert max(lengths) <= 15
     assert sum(length <= 8 for length in lengths) >= 0.6 * len(lengths)
 
@@ -128,6 +129,11 @@ def solutions_of(path):
     return nbformat.read(file, as_version=4)
 
 
+HINTS = re.compile(
+    r"<details><summary>Hints for exercise (\d)</summary>\n\n(.+?)\n\n"
+    r"<details><summary>The solution</summary>\n\n(.+?)\n\n</details>\n</details>",
+    re.DOTALL,
+)
 LESSONS_WITHOUT_EXERCISES = {"00_start_here", "draw_your_own_world"}
 
 
@@ -140,6 +146,24 @@ def test_every_lesson_has_three_to_five_exercises_with_stars(notebook, path):
     assert set(exercises) == set(by_tag(notebook, "check")) == set(range(1, len(exercises) + 1))
     text = "".join(cell.source for cell in text_cells(notebook))
     assert "★" in text
+
+
+def test_every_exercise_has_hints_and_then_the_solution_folded_where_it_is_stated(notebook, path):
+    """A hint is words: nothing of the solution's code stands in it."""
+    hints, waiting = {}, {}
+    for cell in notebook.cells:
+        for number, words, solution in HINTS.findall(cell.source) if cell.cell_type == "markdown" else []:
+            hints[int(number)] = waiting[int(number)] = words
+            assert f"](solutions/{path.stem[:2]}_solutions.ipynb)" in solution
+        for tag in cell.metadata.get("tags", []):
+            if tag.startswith("exercise-"):
+                waiting.pop(int(tag.removeprefix("exercise-")))  # a KeyError: no hints before this exercise
+        assert cell.source.count("<details>") == 2 * len(HINTS.findall(cell.source)) == cell.source.count("</details>")
+    assert set(hints) == set(by_tag(notebook, "exercise")) and not waiting
+    for number, words in hints.items():
+        assert re.findall(r"^(\d)\. .{20}", words, re.MULTILINE) == ["1", "2"]
+        lines = by_tag(solutions_of(path), "exercise")[number].source.splitlines()
+        assert not [line for line in lines if len(line.strip()) > 12 and line.strip() in words]
 
 
 def test_blanks_are_reported(notebook):

@@ -10,9 +10,12 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 NOTEBOOKS = sorted(path for path in (ROOT / "notebooks").rglob("*.ipynb") if ".ipynb_checkpoints" not in path.parts)
+# What a host strips, and what it keeps of a question with a folded result.
+STRIPPED = re.compile(r"<(script|style)>.*?</\1>", re.DOTALL)
+QUESTION = set("div span fieldset legend ul li label input svg rect polyline text details summary p strong em".split())
+QUESTION |= {"pre", "img"}
 WIDGET = "application/vnd.jupyter.widget-view+json"
 PICTURE = re.compile(r"!\[[^\]]*\]\(([^)]+)\)")
-RUNNING = re.compile(r"<(script|style)>.*?</\1>", re.DOTALL)
 CODE = re.compile(r"^```.*?^```|`[^`\n]*`|\$\$.*?\$\$|\$[^$\n]*\$", re.MULTILINE | re.DOTALL)
 
 
@@ -46,18 +49,31 @@ def test_every_output_is_of_a_kind_that_a_viewer_shows(notebook):
         assert set(output.get("data", {})) <= {"text/plain", "text/html", WIDGET}
 
 
-def test_html_is_a_picture_that_survives_without_styles_and_scripts(notebook):
+def test_html_is_pictures_and_questions_that_survive_without_styles_and_scripts(notebook):
     for output in outputs(notebook):
         if "text/html" in output.get("data", {}):
             # Of an explorer, what a viewer leaves that strips scripts and styles: its first picture and its words.
             is_explorer = output.data["text/plain"].startswith("Explorer: ")
-            found = Tags(RUNNING.sub("", output.data["text/html"]))
-            assert [tag for tag, _ in found.tags] == (["div", "img", "p"] if is_explorer else ["img"])
-            attributes = dict(found.tags)["img"]
-            assert found.text == (attributes["alt"] if is_explorer else "")
-            assert set(attributes) == {"alt", "src", "width", "style"}
-            assert re.match(r"data:image/(png|gif|svg\+xml);base64,", attributes["src"])
-            assert 200 < int(attributes["width"]) < 1500, "the size does not hang on the style"
+            found = Tags(STRIPPED.sub("", output.data["text/html"]))
+            kinds = [tag for tag, _ in found.tags]
+            if "details" in kinds:
+                assert set(kinds) <= QUESTION
+            else:
+                assert kinds == (["div", "img", "p"] if is_explorer else ["img"])
+                assert found.text == (dict(found.tags)["img"]["alt"] if is_explorer else "")
+            for attributes in (attributes for tag, attributes in found.tags if tag == "img"):
+                assert set(attributes) - {"class"} == {"alt", "src", "width", "style"}
+                assert re.match(r"data:image/(png|gif|svg\+xml);base64,", attributes["src"])
+                assert 200 < int(attributes["width"]) < 1500, "the size does not hang on the style"
+
+
+def test_what_is_folded_comes_after_its_question(notebook):
+    for output in outputs(notebook):
+        page = output.get("data", {}).get("text/html", "")
+        if "<details>" in page:
+            assert page.count("<details>") == page.count("</details>") == 1
+            shown, _ = STRIPPED.sub("", page).split("<details>")
+            assert {"img", "pre"}.isdisjoint(tag for tag, _ in Tags(shown).tags)
 
 
 def test_a_widget_reads_as_words(notebook):

@@ -66,8 +66,11 @@ def legend_texts(figure):
 
 
 class FirstTag(html.parser.HTMLParser):
+    tag = None
+
     def handle_starttag(self, tag, attributes):
-        self.tag, self.attributes = tag, dict(attributes)
+        if self.tag is None:
+            self.tag, self.attributes = tag, dict(attributes)
 
 
 def parsed(shown):

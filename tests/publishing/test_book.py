@@ -22,6 +22,7 @@ LINK = re.compile(r"\[([^\]]*)\]\([^)]*\)")
 NUMBER = re.compile(r"^\d+\. ", re.MULTILINE)  # of a list; the browser counts
 FORMULA = re.compile(r"\$\$.+?\$\$|\$[^$\n]+?\$", re.DOTALL)
 RUNNING = re.compile(r"<(script|style)>.*?</\1>", re.DOTALL)
+FOLD = re.compile(r"</?(details|summary)>")
 VOID = {"meta", "img", "br", "hr", "link", "input", "col", "wbr"}
 
 
@@ -86,6 +87,10 @@ def markdown(notebook):
     return [cell.source for cell in notebook.cells if cell.cell_type == "markdown"]
 
 
+def printed_by_html(output):
+    return output.get("data", {}).get("text/html", "")
+
+
 def plain(text):
     """Letters and digits alone: what Markdown and HTML have in common."""
     return "".join(filter(str.isalnum, text))
@@ -123,8 +128,10 @@ def test_every_sentence_cell_and_printed_line_is_in_the_book(page, lesson):
                 if "text/html" not in output.get("data", {}):
                     printed += output.get("data", {}).get("text/plain", "")
                 assert plain(printed) in everything
+                folded = Page(printed_by_html(output)).all("legend", "pre", "em", "summary")
+                assert all(plain(each.text) in everything for each in folded)
         else:
-            text = LINK.sub(r"\1", PICTURE.sub("", NUMBER.sub("", cell.source)))
+            text = FOLD.sub("\n", LINK.sub(r"\1", PICTURE.sub("", NUMBER.sub("", cell.source))))
             for words in re.split(r"\n|\||\$\$.+?\$\$|\$[^$\n]+?\$", text, flags=re.DOTALL):
                 assert plain(words) in everything
 
@@ -167,6 +174,29 @@ def test_links_lead_to_the_book_itself_or_to_the_network(page):
         assert target[1:] in places if target.startswith("#") else target.startswith("https://"), target
     inner = {e.attributes["href"] for e in page.all("a") if "main" in e.parents}
     assert {f"#{book_markdown.anchor(lessons.number(path))}" for path in LESSONS[1:]} <= inner, "from lesson to lesson"
+
+
+def test_questions_keep_their_choices_and_lie_above_what_is_folded(page):
+    """Without a kernel and a script nothing could be entered, so there is no field for it."""
+    asked = [
+        printed_by_html(output)
+        for path in LESSONS
+        for cell in lessons.read(path).cells
+        for output in cell.get("outputs", [])
+        if "<legend>" in printed_by_html(output)
+    ]
+    shown = [each for each in page.all("fieldset") if "main" in each.parents]
+    assert len(shown) == len(asked) > 100
+    choices = [element for element in page.all("li") if "fieldset" in element.parents]
+    assert len(choices) == sum(each.count('<input type="radio"') for each in asked)
+    assert not page.all("input", "button", "form")
+    assert all("details" not in each.parents for each in shown)
+
+
+def test_on_the_screen_results_and_hints_are_folded_and_on_paper_they_are_not(page, source):
+    folds = page.all("details")
+    assert len(folds) > 200 and not any("open" in each.attributes for each in folds)
+    assert all("open" in each.attributes for each in Page(book.unfolded(source)).all("details"))
 
 
 def test_no_widget_leaves_a_hole(page):

@@ -1,5 +1,6 @@
 """The classroom around the lessons: the image of a hub, updates while notebooks are edited, and the teaching guide."""
 
+import html
 import json
 import os
 import re
@@ -150,7 +151,9 @@ def shown_by(lesson):
     for path in (lesson, solutions):
         for cell in nbformat.read(path, as_version=4).cells:
             texts.append(cell.source)
-            texts += [output.get("text", "") for output in cell.get("outputs", [])]
+            for output in cell.get("outputs", []):
+                folded = re.findall(r"<pre>(.*?)</pre>", output.get("data", {}).get("text/html", ""), re.DOTALL)
+                texts += [output.get("text", ""), *map(html.unescape, folded)]
     return "\n".join(texts)
 
 

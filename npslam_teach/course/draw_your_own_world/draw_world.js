@@ -65,19 +65,22 @@ function h(tag, attributes = {}, ...children) {
 }
 
 const clone = (value) => JSON.parse(JSON.stringify(value));
+const withoutRequest = ({ request, ...entries }) => clone(entries);
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 const toMillimetres = (value) => Math.round(value * 1000) / 1000;
 
 function render({ model, el }) {
   const look = model.get("look"), worlds = model.get("worlds"), paths = model.get("paths");
-  let drawing = clone(model.get("drawing")); // as the student sees it, perhaps not yet sent
+  let drawing = withoutRequest(model.get("drawing")); // as the student sees it, perhaps not yet sent
   let good = drawing; // the last one that the kernel accepted
   let result = null; // its answer
+  const answers = new Map(); // the words of each method on the world that is shown
   let tool = "path"; // or the index of the class to drop
   let selected = null; // { index, end }: an object, or the end of its way
   let gesture = null; // what the pointer is doing
   let shown = 0; // the round on the map; between two whole numbers while it glides
   let playing = 0, waiting = 0; // handles of an animation frame and of a timer
+  let kept = clone(drawing), past = [], future = []; // the last drawing that was sent, and those to undo and redo to
   let unsent = false, since = 0; // whether an edit waits to be sent, and when it was made
   let scale = 1, width = 0, height = 0;
 
@@ -91,6 +94,8 @@ function render({ model, el }) {
   const words = h("p", { class: "words", role: "status", "aria-live": "polite" });
   const lookFor = h("p", { class: "look-for" });
   const note = h("span", { class: "note", role: "status", "aria-live": "polite" });
+  const chosenNote = h("span", { class: "chosen", role: "status", "aria-live": "polite" });
+  const beside = h("ul", { class: "beside" });
   const latency = h("span", { class: "keys" });
 
   const select = (name, options, onchange) => {
@@ -107,7 +112,7 @@ function render({ model, el }) {
   const worldNames = Object.entries(worlds).map(([key, each]) => [key, each.title]);
   const [worldLabel, worldList] = select("World", [["", "(your own)"], ...worldNames], (key) => {
     if (!key) return;
-    drawing = clone(worlds[key].drawing);
+    drawing = { ...clone(worlds[key].drawing), method: drawing.method };
     lookFor.textContent = worlds[key].look_for;
     selected = null;
     commit();
@@ -119,6 +124,12 @@ function render({ model, el }) {
     drawing.stroke = paths[name].map(([x, y]) => [left + (x / 12) * (right - left), bottom + (y / 8) * (top - bottom)]);
     commit();
   });
+  const [methodLabel, methodList] = select("Method", Object.entries(look.methods), (name) => {
+    drawing.method = name;
+    commit();
+  });
+  const undo = h("button", { type: "button", title: "Control+Z", onclick: () => goTo(past, future) }, "↶ Undo");
+  const redo = h("button", { type: "button", title: "Control+Shift+Z", onclick: () => goTo(future, past) }, "↷ Redo");
   const again = h("button", { type: "button", onclick: () => { drawing.seed += 1; commit(); } }, "Drive again");
   again.title = "The same world and path with other luck: the noise is drawn anew";
   const [noiseLabel, showNoise] = slider("Noise (1 = the paper's)", "noise", look.max_noise, 0.1);
@@ -136,24 +147,49 @@ function render({ model, el }) {
   const ask = (what) => model.send({ do: what, file: file.value.trim() });
   const save = h("button", { type: "button", onclick: () => ask("save") }, "Save");
   const load = h("button", { type: "button", onclick: () => ask("load") }, "Load");
+  const give = h("button", { type: "button", onclick: () => download() }, "Export for a friend");
+  const opener = h("input", { type: "file", accept: ".json", "aria-label": "Open a world that a friend exported" });
+  opener.addEventListener("change", () => openFile(opener.files[0]));
   const tools = h("div", { class: "row", role: "group", "aria-label": "What the mouse draws or drops" });
   const mark = (name, text) => h("span", {}, h("i", { class: name }), text);
   const legend = h("div", { class: "row legend keys" }, mark("dashed", "true path"), mark("", "estimated path"),
     mark("ring", "true object: drag it"), mark("dot", "estimated object, larger when seen more often"));
   const keys = h("p", { class: "keys" }, "Keys on the map: arrows move the selected object by 0.1 m (with Shift 0.5 m), " +
-    "Page Up and Page Down select, Enter adds an object of the chosen class in the middle, Delete removes it.");
+    "Page Up and Page Down select, Enter adds an object of the chosen class in the middle, Delete removes it. " +
+    "Control+Z takes the last change back, Control+Shift+Z makes it again.");
   const side = h("div", { class: "side" }, h("strong", {}, "Objects, round by round (log scale)"), bars, roundWords, play);
   const root = h("div", { class: "draw-world" },
-    h("div", { class: "row" }, worldLabel, pathLabel, again), tools, h("div", { class: "stage" }, map, side), legend,
-    words, lookFor, h("div", { class: "row" }, noiseLabel, clutterLabel),
-    h("div", { class: "row" }, chosenLabel, movesLabel, add, remove),
-    h("div", { class: "row" }, h("label", {}, "File", file), save, load, note), keys, latency);
+    h("div", { class: "row" }, worldLabel, pathLabel, methodLabel, again, undo, redo), tools,
+    h("div", { class: "stage" }, map, side), legend, words, beside, lookFor, h("div", { class: "row" }, noiseLabel, clutterLabel),
+    h("div", { class: "row" }, chosenLabel, movesLabel, add, remove, chosenNote),
+    h("div", { class: "row" }, h("label", {}, "File", file), save, load, note),
+    h("div", { class: "row" }, give, h("label", {}, "Open an exported world", opener)), keys, latency);
   el.append(root);
 
   // ---- sending and receiving -----------------------------------------------------------------------------------
   const busy = () => model.get("drawing").request !== model.get("answer").request || !model.get("answer").done;
 
   function commit() {
+    if (JSON.stringify(drawing) !== JSON.stringify(kept)) {
+      past.push(kept);
+      future = [];
+    }
+    send();
+  }
+
+  /** Undo with (past, future), redo with (future, past). */
+  function goTo(from, to) {
+    if (!from.length || gesture) return;
+    to.push(kept);
+    drawing = from.pop();
+    selected = null;
+    worldList.value = pathList.value = "";
+    send();
+    onNames();
+  }
+
+  function send() {
+    kept = clone(drawing);
     unsent = true;
     since = performance.now();
     stopPlaying();
@@ -172,7 +208,14 @@ function render({ model, el }) {
   }
 
   function onDrawing() { // from Python, or our own coming back
-    if (!unsent && !gesture) { drawing = clone(model.get("drawing")); refresh(); }
+    const sent = withoutRequest(model.get("drawing"));
+    if (unsent || gesture || JSON.stringify(sent) === JSON.stringify(kept)) return;
+    past.push(kept);
+    future = [];
+    drawing = sent;
+    kept = clone(sent);
+    selected = null;
+    refresh();
   }
 
   function onAnswer() {
@@ -188,6 +231,8 @@ function render({ model, el }) {
 
   function refuse(answer) {
     drawing = clone(good);
+    if (JSON.stringify(past.at(-1)) === JSON.stringify(good)) past.pop();
+    kept = clone(good);
     selected = null;
     say(`${answer.error}.${result ? " The last good world is kept." : ""}`, true);
   }
@@ -199,8 +244,45 @@ function render({ model, el }) {
     if (isFirst) startPlaying();
     else showRound(shown);
     if (!answer.done) return;
+    compare(answer);
     good = clone(drawing);
     say(answer.words, false);
+  }
+
+  /** The answers of several methods to one world, beside each other. */
+  function compare(answer) {
+    const world = JSON.stringify({ ...drawing, method: "" });
+    if (beside.dataset.world !== world) answers.clear();
+    beside.dataset.world = world;
+    answers.set(drawing.method, answer.words);
+    const lines = [...answers].map(([name, text]) => h("li", {}, h("strong", {}, `${look.methods[name]}: `), text));
+    beside.replaceChildren(...(lines.length > 1 ? lines : []));
+  }
+
+  // ---- a file for a friend ---------------------------------------------------------------------------------------
+  function download() {
+    const address = URL.createObjectURL(new Blob([JSON.stringify(drawing, null, 1)], { type: "application/json" }));
+    h("a", { href: address, download: `${file.value.trim().replace(/\.npz$/, "") || "my_world"}.json` }).click();
+    setTimeout(() => URL.revokeObjectURL(address), 1000);
+    note.textContent = "Exported: a friend opens the file on this page of their own.";
+  }
+
+  async function openFile(chosen) {
+    if (!chosen) return;
+    try {
+      drawing = { ...clone(good), ...withoutRequest(JSON.parse(await chosen.text())) };
+      handles(); // what is no drawing fails here, or is refused by the kernel
+    } catch {
+      drawing = clone(good);
+      note.textContent = `${chosen.name}: expected a world that this page exported, got something else.`;
+      return;
+    } finally {
+      opener.value = "";
+    }
+    selected = null;
+    note.textContent = `Opened ${chosen.name}.`;
+    onNames();
+    commit();
   }
 
   function painted(answer) {
@@ -348,7 +430,7 @@ function render({ model, el }) {
   let nudged = false; // moved by a key that is still held: a held key repeats, the kernel is asked once
 
   canvas.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.ctrlKey || event.metaKey || event.altKey) return; // undo and redo work wherever the focus is
     const cycle = { PageDown: 1, PageUp: -1 }[event.key];
     if (ARROWS[event.key] && selected) nudge(ARROWS[event.key], event.shiftKey ? 0.5 : 0.1);
     else if (cycle) selectNext(cycle);
@@ -360,8 +442,16 @@ function render({ model, el }) {
   });
   // JupyterLab takes single letters and arrows for its own shortcuts ("x" cuts the cell); Control+S may stay its own.
   // It looks for this attribute in a listener of the document, so the window has to be listened to.
+  const historyKey = ({ ctrlKey, metaKey, altKey, key }) => (ctrlKey || metaKey) && !altKey && /^[zy]$/i.test(key);
+  root.addEventListener("keydown", (event) => {
+    if (!historyKey(event) || event.target.type === "text") return;
+    event.preventDefault();
+    if (event.shiftKey || event.key.toLowerCase() === "y") goTo(future, past);
+    else goTo(past, future);
+  });
   const shield = (event) => {
-    const isOurs = !event.ctrlKey && !event.metaKey && !(event.shiftKey && event.key === "Enter");
+    const isPlain = !event.ctrlKey && !event.metaKey && !(event.shiftKey && event.key === "Enter");
+    const isOurs = isPlain || historyKey(event);
     if (root.contains(event.target)) event.target.toggleAttribute("data-lm-suppress-shortcuts", isOurs);
   };
   window.addEventListener("keydown", shield, true);
@@ -468,9 +558,9 @@ function render({ model, el }) {
       paintEstimate();
       context.globalAlpha = 1;
     }
-    paintTrueObjects();
     if (gesture && gesture.stroke) paintStroke(gesture.stroke);
     context.restore();
+    paintTrueObjects(); // not clipped: a marker at the wall is not cut in half
   }
 
   function line(flat, style) {
@@ -508,8 +598,29 @@ function render({ model, el }) {
   }
 
   function paintTruePath(path) {
-    line(path, { strokeStyle: look.truth, lineWidth: 2.2, dash: [8, 5] });
+    // A second lap would fill the gaps of the first one's dashes, so a stretch is drawn once.
+    for (const stretch of firstLaps(path)) {
+      line(stretch, { strokeStyle: look.truth, lineWidth: 2.2, dash: [8, 6], lineCap: "butt" });
+    }
     drawMarker(context, MARKERS.o, ...toPixels(path[0], path[1]), 5, { fill: look.estimate });
+  }
+
+  function firstLaps(path) {
+    const seen = new Map(), stretches = [[]];
+    let along = 0;
+    for (let k = 0; k < path.length; k += 2) {
+      const [x, y] = toPixels(path[k], path[k + 1]);
+      if (k) along += Math.hypot(path[k] - path[k - 2], path[k + 1] - path[k - 1]) * scale;
+      const cell = (i, j) => `${Math.round(x / 4) + i},${Math.round(y / 4) + j}`; // of 4 px
+      const near = [-1, 0, 1].flatMap((i) => [-1, 0, 1].map((j) => cell(i, j)));
+      if (near.some((each) => seen.has(each) && along - seen.get(each) > 40)) {
+        if (stretches.at(-1).length) stretches.push([]);
+      } else {
+        stretches.at(-1).push(path[k], path[k + 1]);
+        seen.set(near[4], along);
+      }
+    }
+    return stretches.filter((each) => each.length > 2);
   }
 
   function paintTrueObjects() {
@@ -594,7 +705,10 @@ function render({ model, el }) {
       ? `Selected: ${className(drawing.objects[selected.index])} at x ${placeOf(selected)[0].toFixed(1)}, y ${placeOf(selected)[1].toFixed(1)} m.`
       : "No object is selected.";
     canvas.setAttribute("aria-label", `Map of the room with ${drawing.objects.length} objects and the robot's path. ${chosen}`);
-    if (selected) note.textContent = chosen;
+    chosenNote.textContent = chosen;
+    undo.disabled = !past.length;
+    redo.disabled = !future.length;
+    methodList.value = drawing.method;
   }
 
   function buildTools() {

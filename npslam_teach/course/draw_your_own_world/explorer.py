@@ -5,6 +5,7 @@ dictionaries, described in ``messages``. They hold the number of the request, so
 answer belongs to. There are two answers: at once the initial estimate, later all rounds of the method.
 """
 
+import shlex
 import time
 from pathlib import Path
 
@@ -12,8 +13,10 @@ import anywidget
 import numpy as np
 import traitlets
 
+import npslam_teach
 from npslam_teach import datasets
 from npslam_teach.course.draw_your_own_world.messages import (
+    SHOWN_METHODS,
     SolvedWorld,
     answer,
     drawing_of,
@@ -83,6 +86,7 @@ class DrawWorld(anywidget.AnyWidget):
             "markers": CLASS_MARKERS,
             "truth": TRUTH_COLOR,
             "estimate": ESTIMATE_COLOR,
+            "methods": SHOWN_METHODS,
             "max_noise": MAX_NOISE,
             "max_clutter": MAX_CLUTTER,
         }
@@ -127,7 +131,8 @@ class DrawWorld(anywidget.AnyWidget):
         """Change entries of the drawing, as the page would, and return the words under the picture.
 
         Args:
-            **entries: ``noise``, ``clutter_rate``, ``seed``, ``stroke`` or ``objects``, as in ``messages.to_message``.
+            **entries: ``noise``, ``clutter_rate``, ``seed``, ``method``, ``stroke`` or ``objects``, as in
+                ``messages.to_message``.
 
         Raises:
             ValueError: the drawing cannot be used; the last good world is kept.
@@ -167,7 +172,7 @@ class DrawWorld(anywidget.AnyWidget):
         try:
             log, truth = loaded or drawn_run(from_message(self.drawing))
             self._reply(answer(initial(log, truth)), begin, done=False)
-            self.solved = solve(log, truth)
+            self.solved = solve(log, truth, self.drawing.get("method", "np-graph"))
             result, self._good = answer(self.solved), self.drawing
         except ValueError as error:
             result = {"error": str(error)}
@@ -187,7 +192,7 @@ class DrawWorld(anywidget.AnyWidget):
                 note = f"Loaded {name}."
             else:
                 self.save(name)
-                note = f"Saved. Solve it with: python3 -m npslam_teach solve {name}"
+                note = f"Saved. In a terminal: {_solve_command(name)}"
         except (ValueError, FileNotFoundError) as error:
             note = str(error)
         self.send({"note": note})
@@ -195,3 +200,11 @@ class DrawWorld(anywidget.AnyWidget):
     def __repr__(self) -> str:
         """The text that is shown in place of the widget where no kernel runs, as on a code host."""
         return f"DrawWorld: {self.words}"
+
+
+def _solve_command(name: str) -> str:
+    """The command that solves a saved file, wherever the terminal stands."""
+    course = Path(npslam_teach.__file__).resolve().parents[1]
+    solve_it = f"python3 -m npslam_teach solve {shlex.quote(str(Path(name).resolve()))}"
+    is_checkout = (course / "pyproject.toml").exists()  # else the package is installed, and found from anywhere
+    return f"cd {shlex.quote(str(course))} && {solve_it}" if is_checkout else solve_it

@@ -10,12 +10,13 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.evaluation import distances_to_truth
-from npslam_teach.methods import np_graph
+from npslam_teach.methods import METHODS, np_graph
 from npslam_teach.simulate.hand_drawn import MAX_CLUTTER, MAX_NOISE, Drawing, drawn_run
 from npslam_teach.simulate.robot_run import ADDED_ODOMETRY_STD, FILE_ODOMETRY_STD
 from npslam_teach.system.files import shorten
 from npslam_teach.types import GroundTruth, RobotLog, Snapshot
 
+SHOWN_METHODS = {"np-graph": "NP-graph", "ekf": "EKF", "posterior": "posterior"}  # by name: what the page calls it
 MILLIMETRES = 3  # decimals of metres on their way to the page
 _OBJECT_KEYS = {"x", "y", "class", "goal_x", "goal_y"}
 _MARGIN = 1.0  # m around a loaded world
@@ -30,9 +31,20 @@ class SolvedWorld:
     snapshots: list[Snapshot]
 
 
-def solve(log: RobotLog, truth: GroundTruth) -> SolvedWorld:
-    """Run the paper's method with its own settings, as ``python3 -m npslam_teach solve`` does."""
-    return SolvedWorld(log, truth, list(np_graph(log)))
+def solve(log: RobotLog, truth: GroundTruth, method: str = "np-graph") -> SolvedWorld:
+    """Run a method with its own settings; the paper's as ``python3 -m npslam_teach solve`` does.
+
+    Args:
+        log: what the robot measured.
+        truth: what really happened.
+        method: one of ``SHOWN_METHODS``.
+
+    Raises:
+        ValueError: it is another one.
+    """
+    if method not in SHOWN_METHODS:
+        raise ValueError(f"method: expected one of {', '.join(SHOWN_METHODS)}, got {shorten(method)}")
+    return SolvedWorld(log, truth, list(METHODS[method](log)))
 
 
 def initial(log: RobotLog, truth: GroundTruth) -> SolvedWorld:
@@ -121,7 +133,7 @@ def to_message(drawing: Drawing) -> dict:
 
     Returns:
         ``stroke`` [[x, y], ...] m; ``objects`` [{x, y, class, goal_x, goal_y}, ...]; ``class_names``; ``room``;
-        ``noise``; ``clutter_rate``; ``seed``.
+        ``noise``; ``clutter_rate``; ``seed``; ``method``, that of the paper.
     """
     rows = zip(_rounded(drawing.object_xy), _rounded(drawing.object_goal), drawing.object_class, strict=True)
     objects = [{"x": x, "y": y, "class": int(c), "goal_x": u, "goal_y": v} for (x, y), (u, v), c in rows]
@@ -133,6 +145,7 @@ def to_message(drawing: Drawing) -> dict:
         "noise": float(drawing.noise),
         "clutter_rate": float(drawing.clutter_rate),
         "seed": int(drawing.seed),
+        "method": "np-graph",
     }
 
 

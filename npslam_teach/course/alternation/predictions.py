@@ -1,0 +1,64 @@
+"""What ``notebooks/06_alternation.ipynb`` asks before it shows a result, and the words for its pictures."""
+
+from npslam_teach.course.predict import choice, questions
+
+predict = questions(
+    "06",
+    partners=choice(
+        "Obj_8 first, Obj_1 last: which find a partner?",
+        ["all of them", "Obj_6 to Obj_1, but not Obj_8 and Obj_7", "Obj_6, Obj_5 and Obj_4 alone", "none"],
+        right=1,
+        mistake=("To ask for each one alone. Three join a partner, and the partner, asked later, finds them at home."),
+    ),
+    toy_count=choice(
+        "How many objects in the toy scene?",
+        ["three", "five", "eight"],
+        right=1,
+        mistake="To count classes. There are two chairs, a screen, a cup, and what was never there.",
+    ),
+    falls=choice(
+        "By how much does the number fall?",
+        ["by log(weight / α)", "by the weight itself", "by α", "it does not fall"],
+        right=0,
+        mistake=(
+            "To expect that the rule and the number are two things. With the same noise on both sides "
+            "the rule is one step of descent on this number."
+        ),
+    ),
+    rises=choice(
+        "The solver believes 0.5 m: does the number rise now and then?",
+        ["yes, in most rooms", "it may, but in these ten rooms it does not", "it cannot"],
+        right=1,
+        mistake="To take what has not happened for what cannot. With the sensor's own noise it does rise.",
+    ),
+    best_of_75=choice(
+        "Is the truth the best of 75, and how many of the 24 orders end there?",
+        [
+            "yes; all",
+            "not with the wide noise; half of the orders find the lowest",
+            "not with the wide noise; none",
+            "yes; half",
+        ],
+        right=1,
+        mistake=(
+            "To take the lowest number for the truth. It is the truth only with the right noise, and "
+            "which valley is found depends on the order."
+        ),
+        alts=[("Rankings of all 75 groupings: at 0.35 m all chairs one is best, at 0.05 m the truth is.")],
+    ),
+    which_epsilon=choice(
+        "Which ε takes away the ghost, and nothing else?",
+        ["0.33", "0.34 to 0.49", "0.5", "none does"],
+        right=3,
+        mistake=(
+            "To look for the right setting. The ghost and the real cup were seen equally often, and "
+            "the vote can tell no more."
+        ),
+    ),
+    own_vote=choice(
+        "The own vote is not taken back: what happens?",
+        ["nothing changes", "every sighting keeps to itself", "all merge into one"],
+        right=1,
+        mistake="To call it a detail. At distance zero nobody beats one's own vote.",
+    ),
+)

@@ -1,0 +1,49 @@
+"""What ``notebooks/08_office.ipynb`` asks before it shows a result, and the words for its pictures."""
+
+from npslam_teach.course.predict import choice, questions
+
+predict = questions(
+    "08",
+    mean_of_box=choice(
+        "Does the mean of all pixels in the box lie on the chair?",
+        ["yes", "no, in front of it", "no, behind it"],
+        right=2,
+        mistake=(
+            "To take the centre of the box for the object. Floor, desk and wall behind the chair pull the mean away."
+        ),
+    ),
+    which_boxes=choice(
+        "In which boxes is the mean worse?",
+        ["in all", "only where the depths scatter", "in none"],
+        right=1,
+        mistake="To blame the mean as such. Where all pixels are of the object every rule agrees.",
+    ),
+    two_screens=choice(
+        "Two screens 0.7 m apart: are they kept apart?",
+        ["always", "often not"],
+        right=1,
+        mistake="To compare 0.7 m with the error of the camera. The kernel and the drift are wider.",
+    ),
+    each_one=choice(
+        "About as many as there are: is each of them one real object?",
+        ["yes", "no: mergers and pieces cancel in the count"],
+        right=1,
+        mistake="To take the right number for the right objects.",
+    ),
+    loses_most=choice(
+        "Just below ε = 0.5, which method loses most?",
+        ["NP-graph", "robust SLAM", "open loop", "frame by frame"],
+        right=3,
+        mistake=(
+            "To think of the number of objects. What counts is how often each was seen, and frame by "
+            "frame sees each once."
+        ),
+        alts=[
+            (
+                "Four views in space: the NP-graph with dozens of objects on stems up to tens of "
+                "sightings high; robust SLAM with next to none; open loop with low stems; frame by "
+                "frame with none."
+            )
+        ],
+    ),
+)

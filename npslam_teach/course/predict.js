@@ -1,0 +1,92 @@
+// Makes a question of a lesson answer: the reader's prediction is kept in this browser, and the result unfolds.
+// Without this script the choices are a list, and the result is folded below them.
+(() => {
+  const store = {
+    read: (key) => { try { return JSON.parse(localStorage.getItem(key)); } catch { return null; } },
+    write(key, value) {
+      try { value === null ? localStorage.removeItem(key) : localStorage.setItem(key, JSON.stringify(value)); } catch {}
+    },
+    count(prefix) {
+      try { return Object.keys(localStorage).filter((key) => key.startsWith(prefix)).length; } catch { return 0; }
+    },
+  };
+  const make = (tag, parent, text, attributes = {}) => {
+    const element = parent.appendChild(document.createElement(tag));
+    element.textContent = text;
+    for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+    return element;
+  };
+
+  // Each kind: how to read the answer, how to show a kept one, and what to say to it.
+  const choices = (root) => {
+    const inputs = [...root.querySelectorAll("input[type=radio]")];
+    const text = (k) => inputs[k].parentElement.textContent.trim();
+    const right = Number(root.dataset.right);
+    return {
+      read: () => (inputs.some((each) => each.checked) ? inputs.findIndex((each) => each.checked) : null),
+      show: (k) => inputs.forEach((each, i) => { each.checked = i === k; }),
+      say: (k) => `You said “${text(k)}”${k === right ? ", and so it is." : `. It is: “${text(right)}”.`}`,
+      reveal: (open) => inputs[right].parentElement.classList.toggle("np-right", open),
+    };
+  };
+  const number = (root) => {
+    const input = root.querySelector("input[type=number]");
+    const { answer, unit } = root.dataset;
+    return {
+      read: () => (input.value === "" ? null : Number(input.value)),
+      show: (value) => { input.value = value ?? ""; },
+      say: (value) => `You said ${value}${unit}. It is ${answer}${unit}.`,
+      reveal: () => {},
+    };
+  };
+  const KINDS = { choice: choices, number, sketch: (root) => globalThis.npslamSketch(root, make) };
+
+  const progress = () => {
+    for (const each of document.querySelectorAll(".np-progress")) {
+      const { lesson, total } = each.dataset;
+      each.textContent = `${store.count(`npslam/${lesson}/predict/`)} of ${total} predicted`;
+    }
+  };
+
+  const key = (root) => `npslam/${root.dataset.lesson}/predict/${root.dataset.name}`;
+  const more = () => document.querySelectorAll(".np-predict[data-kind=more]");
+
+  const wire = (root) => {
+    if (root.dataset.kind === "more") {
+      root.querySelector("details").open = store.read(key(root)) !== null;
+      return;
+    }
+    const kind = KINDS[root.dataset.kind](root);
+    const [fieldset, details] = [root.querySelector("fieldset"), root.querySelector("details")];
+    const said = make("p", root, "", { "aria-live": "polite" });
+    const button = make("button", fieldset, "This is my prediction", { type: "button" });
+    const again = make("button", fieldset, "Ask me again", { type: "button" });
+    root.insertBefore(said, details);
+    const show = (kept) => {
+      kind.show(kept);
+      again.hidden = kept === null;
+      said.textContent = kept === null ? "" : kind.say(kept);
+      details.open = kept !== null;
+      kind.reveal(details.open);
+      for (const each of more()) if (key(each) === key(root)) each.querySelector("details").open = kept !== null;
+      progress();
+    };
+    button.addEventListener("click", () => {
+      const answer = kind.read();
+      if (answer === null) said.textContent = "First answer, or open “Show me”.";
+      else { store.write(key(root), answer); show(answer); }
+    });
+    again.addEventListener("click", () => { store.write(key(root), null); show(null); });
+    details.addEventListener("toggle", () => kind.reveal(details.open));
+    // JupyterLab hears of a key before the question does: without this, letters typed here would be commands to it.
+    window.addEventListener("keydown", ({ target, ctrlKey, altKey, metaKey, shiftKey }) => {
+      if (!root.contains(target)) return;
+      target.toggleAttribute("data-lm-suppress-shortcuts", !(ctrlKey || altKey || metaKey || shiftKey));
+    }, true);
+    show(store.read(key(root)));
+  };
+  for (const root of document.querySelectorAll(".np-predict:not([data-ready])")) {
+    root.setAttribute("data-ready", "");
+    wire(root);
+  }
+})();

@@ -1,0 +1,186 @@
+"""Questions with folded results in a real JupyterLab: a notebook with one of each kind, opened and then run."""
+
+import json
+
+import nbformat
+import pytest
+from axe import violations
+from lab_server import LARGE_WINDOW, ROOT, new_context, open_notebook, run_all_cells, write_notebook
+
+NAME, LESSON = "questions.ipynb", "00_start_here.ipynb"
+QUESTIONS = """
+import numpy as np
+from npslam_teach.course.predict import choice, number, questions, sketch
+
+predict = questions(
+    "99",
+    pick=choice("Which one?", ["left", "middle", "right"], right=2, mistake="To look away."),
+    count=number("How many metres?", mistake="To guess.", unit="m"),
+    line=sketch("Where does it go?", mistake="To stop half-way.", box=(0, 0, 4, 2)),
+)
+with predict("pick"):
+    print("it was the right one")
+"""
+MORE = 'with predict("pick", part=2):\n    print("and more of it")'
+COUNT = 'with predict("count") as see:\n    print("counted")\n    see.answer(2.5)'
+LINE = """
+with predict("line") as see:
+    see.known(np.array([[0.0, 1.0], [4.0, 1.0]]))
+    see.answer([[0.0, 1.0], [4.0, 2.0]])
+"""
+
+
+@pytest.fixture(scope="module")
+def page(chromium, lab):
+    """The notebook as it is opened: its first cell has the output that a lesson is committed with, the others none."""
+    path = lab.folder / "notebooks" / NAME
+    write_notebook(path, QUESTIONS, MORE, COUNT, LINE)
+    notebook = nbformat.read(path, as_version=4)
+    committed = nbformat.read(ROOT / "notebooks" / LESSON, as_version=4).cells
+    notebook.cells[0].outputs = next(cell.outputs for cell in committed if 'predict("cliff")' in cell.source)
+    nbformat.write(notebook, path)
+    opened = new_context(chromium, viewport=LARGE_WINDOW, has_touch=True).new_page()
+    open_notebook(opened, lab, NAME, "predict")
+    yield opened
+    opened.context.close()
+
+
+@pytest.fixture(scope="module")
+def run(page):
+    """The same page after its cells have run."""
+    run_all_cells(page)
+    page.locator(".np-predict[data-ready]").nth(3).wait_for()
+    return page
+
+
+@pytest.fixture
+def asked(run):
+    """The page with no question answered; an error in it fails the test that is running."""
+    errors = []
+    run.on("pageerror", lambda error: errors.append(error.stack))
+    yield run
+    for again in run.get_by_role("button", name="Ask me again").all():
+        if again.is_visible():
+            again.click()
+    assert not errors
+
+
+def box(page, words):
+    return page.locator(".np-predict", has_text=words).first
+
+
+def is_open(question) -> bool:
+    return question.locator("details").get_attribute("open") is not None
+
+
+def kept(page, name):
+    return json.loads(page.evaluate(f"localStorage.getItem('npslam/99/predict/{name}')") or "null")
+
+
+def test_before_anything_runs_results_are_folded_and_no_news_pops_up(page):
+    folded = page.locator(".jp-OutputArea details").first
+    folded.wait_for()
+    assert folded.get_attribute("open") is None and not folded.locator("pre").is_visible()
+    folded.locator("summary").click()
+    assert folded.locator("pre").is_visible()
+    assert not page.get_by_text("Would you like to get notified").count()
+
+
+def test_solutions_do_not_stand_above_the_lessons(page):
+    page.keyboard.press("Control+b")
+    listing = page.locator(".jp-DirListing-content")
+    listing.get_by_text(NAME).wait_for()
+    assert not listing.get_by_text("solutions", exact=True).count()
+    page.keyboard.press("Control+b")
+
+
+def test_a_choice_by_keys_unfolds_all_of_its_result_and_is_kept_in_the_browser(asked):
+    page, question = asked, box(asked, "Which one?")
+    cells = page.locator(".jp-Notebook .jp-Cell").count()
+    more = page.locator(".np-predict[data-kind=more]")
+    assert not is_open(question) and not is_open(more)
+    question.get_by_role("radio").first.check()
+    for key in ("ArrowDown", "ArrowDown", "Tab", "Enter"):
+        page.keyboard.press(key)
+    assert is_open(question) and is_open(more)
+    assert "You said “right”, and so it is." in question.inner_text()
+    assert kept(page, "pick") == 2
+    assert "1 of 3 predicted" in question.inner_text()
+    assert page.locator(".jp-Notebook .jp-Cell").count() == cells, "no key was a command of the notebook"
+
+
+def test_a_number_is_compared_with_the_one_that_the_cell_has_computed(asked):
+    question = box(asked, "How many metres?")
+    question.get_by_role("button", name="This is my prediction").click()
+    assert "First answer, or open “Show me”." in question.inner_text() and not is_open(question)
+    question.get_by_role("spinbutton").fill("4")
+    question.get_by_role("button", name="This is my prediction").click()
+    assert "You said 4\u00a0m. It is 2.5\u00a0m." in question.inner_text()
+    assert is_open(question) and kept(asked, "count") == 4
+
+
+def drawn(page):
+    return np_points(box(page, "Where does it go?").locator("polyline").nth(1).get_attribute("points"))
+
+
+def np_points(text):
+    return [tuple(map(float, each.split(","))) for each in (text or "").split()]
+
+
+def end_of(question, how, page):
+    """Draw from the left to the right, a quarter below the top, with a mouse, a finger or keys."""
+    question.scroll_into_view_if_needed()
+    area = question.bounding_box()
+    xs = [area["x"] + share * area["width"] for share in (0.1, 0.4, 0.75)]
+    y = area["y"] + 0.25 * area["height"]
+    if how == "mouse":
+        page.mouse.move(xs[0], y)
+        page.mouse.down()
+        for x in xs[1:]:
+            page.mouse.move(x, y)
+        page.mouse.up()
+    elif how == "finger":
+        session = page.context.new_cdp_session(page)
+        for kind, x in zip(("touchStart", "touchMove", "touchMove"), xs, strict=True):
+            session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": x, "y": y}]})
+        session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    else:
+        question.focus()
+        for key in ["Enter", *["ArrowRight"] * 30, *["ArrowUp"] * 5, "Enter"]:
+            page.keyboard.press(key)
+
+
+@pytest.mark.parametrize("how", ["mouse", "finger", "keys"])
+def test_a_sketch_is_drawn_and_the_right_line_appears_with_the_answer(asked, how):
+    question = box(asked, "Where does it go?")
+    truth = question.locator("polyline").nth(2)
+    assert not truth.get_attribute("points")
+    end_of(question.locator("svg"), how, asked)
+    line = drawn(asked)
+    assert line[-1] == pytest.approx((480, 80), abs=4), "in the units of the drawing area"
+    question.get_by_role("button", name="This is my prediction").click()
+    assert "ends 1.1 m from where it ends" in question.inner_text()
+    assert np_points(truth.get_attribute("points")) == [(0, 160), (640, 0)]
+    assert is_open(question) and kept(asked, "line")[-1] == pytest.approx((3, 1.5), abs=0.03)
+
+
+def test_show_me_unfolds_without_an_answer_and_a_question_can_be_asked_again(asked):
+    question = box(asked, "Which one?")
+    question.locator("summary").click()
+    assert is_open(question) and kept(asked, "pick") is None
+    question.get_by_role("radio").nth(1).check()
+    question.get_by_role("button", name="This is my prediction").click()
+    assert "You said “middle”. It is: “right”." in question.inner_text()
+    question.get_by_role("button", name="Ask me again").click()
+    assert kept(asked, "pick") is None and not is_open(question)
+    assert not question.get_by_role("radio").nth(1).is_checked()
+
+
+@pytest.mark.parametrize("theme", ["JupyterLab Light", "JupyterLab Dark"])
+def test_nothing_in_a_question_keeps_anybody_out(asked, theme):
+    """Of all kinds, unfolded."""
+    asked.evaluate("light => document.body.dataset.jpThemeLight = light", str(theme.endswith("Light")).lower())
+    asked.evaluate("document.querySelectorAll('.np-predict details').forEach((each) => { each.open = true; })")
+    assert violations(asked, ".np-predict") == []
+    asked.evaluate("document.querySelectorAll('.np-predict details').forEach((each) => { each.open = false; })")
+    asked.evaluate("document.body.dataset.jpThemeLight = 'true'")

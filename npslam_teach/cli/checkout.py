@@ -9,6 +9,8 @@ from npslam_teach.system.interpreter import replace_process
 
 ROOT = Path(__file__).absolute().parent.parent.parent
 # Of the tests: the mathematics, the files and the command line.
+# A student's list of files begins with lessons, not with their solutions, which links still open.
+HIDDEN = "__pycache__ *.py[co] *~ solutions conftest.py ruff.toml".split()
 QUICK_FOLDERS = "pose_graph association methods evaluation simulate datasets experiments cli".split()
 
 
@@ -28,8 +30,7 @@ def lab(options) -> int:
     if hasattr(os, "geteuid") and os.geteuid() == 0:
         # In a container everybody is root, and Jupyter would refuse; it still listens on this machine only.
         arguments += ["--allow-root"]
-    # A student's list of files begins with lessons, not with their solutions, which links still open.
-    arguments += [f"--ContentsManager.hide_globs={name}" for name in ("__pycache__", "*.py[co]", "*~", "solutions")]
+    arguments += [f"--ContentsManager.hide_globs={name}" for name in HIDDEN]
     return _run_module(arguments, {"JUPYTER_CONFIG_PATH": _config_path()})
 
 

@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 from axe import violations
 from explorers import EXPLORER, Shown
-from lab_server import ROOT, new_context, open_notebook, run_all_cells, saved, timeout_error, write_notebook
+from lab_server import new_context, open_notebook, run_all_cells, saved, timeout_error, write_notebook
 
 from npslam_teach.course.dirichlet_process.explorer import explore_association
 
-SHOTS = ROOT / "build" / "screenshots"
-LESSON = "04_dirichlet_process.ipynb"
 MAKE = "from npslam_teach.course.dirichlet_process.explorer import explore_association\n"
 MAKE += "explorer = explore_association()\nexplorer"
 LOOP = "for width in (0.9, 0.3, 0.6, 0.354):\n    explorer.move(kernel_std=width)\n"
@@ -162,23 +160,3 @@ def test_a_sighting_is_dragged_with_a_finger(live, window):
 
 def test_axe_finds_nothing_serious_in_a_scene(live):
     assert violations(live[0], EXPLORER) == []
-
-
-def test_run_all_shows_what_the_lesson_sets(window, lab):
-    """The last of the lesson's own moves is what slider, field, words and bars show."""
-    page = window.new_page()
-    open_notebook(page, lab, LESSON)
-    run_all_cells(page)
-    cells = saved(page, lab, LESSON).cells
-    moving = next(cell for cell in cells if "explorer.move(" in cell.source)
-    printed = moving.outputs[0].text.splitlines()[-1]
-    shown = Shown(page, 0, explore_association())
-    shown.root.scroll_into_view_if_needed()
-    page.wait_for_timeout(1500)
-    assert shown_words(page) == printed
-    assert fields(shown)["kernel_std"] == "0.25" and fields(shown)["alpha"] == "0.50"
-    shown.twin.move(alpha=0.5, kernel_std=0.25)
-    parts = shown.twin.scene.parts.values()
-    assert shown.picture()["source"] == [[tag, attributes, *(text or [""])] for tag, attributes, *text in parts]
-    assert shown.root.locator("svg, img").count() == 1, "one picture, not a second one below"
-    page.close()

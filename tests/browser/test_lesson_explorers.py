@@ -5,11 +5,15 @@ to changed pixels are left in ``build/latency.md``; they are reported here and a
 of a machine that runs other tests too (``python tests/browser/latency.py`` measures alone).
 """
 
+import itertools
+
+import memory
 import pytest
 from axe import violations
-from explorers import EXPLORER, lessons_with_explorers, open_explorers
+from explorers import EXPLORER, explorers_of, lessons_with_explorers, open_explorers
 from lab_server import ROOT, new_context
 from latency import Row, table
+from matplotlib import pyplot
 from window import LAPTOP, NARROW, PROJECTOR, Window
 
 from npslam_teach.system.files import atomic_write
@@ -120,3 +124,44 @@ def test_no_explorer_is_cut_off(page, width):
         complaints = window.complaints()
         window.screenshot(BUILD / "screenshots" / f"explorers_{width}.png")
     assert complaints == []
+
+
+# --- a class plays with a slider for an hour -------------------------------------------------------------------------
+
+
+@every_lesson
+def test_steps_leave_nothing_behind_in_python(lesson):
+    for explorer in explorers_of(lesson):
+        moves = memory.to_and_fro(explorer)
+        for move in itertools.islice(moves, memory.WARM_UP):
+            explorer.move(**move)
+        before, figures = memory.number_of_artists(explorer), pyplot.get_fignums()
+        growth = memory.growth_in_python(moves, explorer)
+        assert pyplot.get_fignums() == figures == []
+        assert abs(memory.number_of_artists(explorer) - before) < 100  # another value may need another few
+        assert growth < memory.BYTES_PER_STEP, f"{growth / 1e3:.1f} kB a step"
+
+
+def test_a_leak_is_noticed(monkeypatch):
+    """One picture a step that somebody keeps."""
+    monkeypatch.setattr(memory, "ROUNDS", (12, 30))
+    explorer, kept = explorers_of("04_dirichlet_process.ipynb")[0], []
+    move = explorer.move
+
+    class Leaking:
+        def move(self, **values):
+            move(**values)
+            kept.append(bytes(60_000))
+
+    assert memory.growth_in_python(memory.to_and_fro(explorer), Leaking()) > memory.BYTES_PER_STEP
+
+
+@pytest.mark.parametrize("lesson", ["04_dirichlet_process.ipynb", "07_fifteen_objects.ipynb"])
+def test_key_presses_leave_nothing_behind_in_a_page(explorers, notebook, lab, record_property):
+    """In a toy, and where the whole method runs at every step."""
+    page, all_explorers = notebook
+    (kernel,) = memory.kernels_of(lab.folder)
+    growth = memory.growth_in_a_page(explorers[0], kernel)
+    record_property("growth", growth)
+    assert all(value < memory.LIMITS[name] for name, value in growth.items()), growth
+    assert page.locator(f"{EXPLORER} figure").count() == sum(map(len, all_explorers.values()))

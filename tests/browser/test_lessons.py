@@ -10,14 +10,15 @@ import shutil
 
 import nbformat
 import pytest
-from explorers import EXPLORER, explorers_of, lessons_with_explorers
+from explorers import EXPLORER, Shown, explorers_of, lessons_with_explorers
 from lab_server import ROOT, new_context, open_notebook, run_all_cells, saved
 from window import LAPTOP, NARROW, PROJECTOR, Window
 
 LESSONS = sorted(path.name for path in (ROOT / "notebooks").glob("[0-9]*.ipynb"))
-# The first that a student runs; two explorers and much text; the longest table of runs. Lesson 04 runs in
-# ``test_explorers``, and the drawing page in ``test_draw_world``.
-RUN = ("00_start_here.ipynb", "06_alternation.ipynb", "12_a_real_robot.ipynb")
+# The first that a student runs; a scene that code moves; two explorers and much text. The drawing page runs in
+# ``test_draw_world``.
+MOVED = "04_dirichlet_process.ipynb"
+RUN = ("00_start_here.ipynb", MOVED, "06_alternation.ipynb")
 SHOTS = ROOT / "build" / "screenshots"
 
 
@@ -108,3 +109,18 @@ def test_what_has_run_can_be_read(lesson):
     assert min(len(alt) for alt in alternative_texts(page)) > 20
     expected = len(explorers_of(name)) if name in lessons_with_explorers() else 0
     assert page.locator(EXPLORER).count() == expected
+
+
+@pytest.mark.parametrize("lesson", [MOVED], indirect=True, scope="module")
+def test_run_all_shows_what_the_lesson_sets(lesson, lab):
+    """The last of the lesson's own moves is what slider, field, words and bars show."""
+    name, page = lesson
+    cells = saved(page, lab, name).cells
+    printed = next(cell for cell in cells if "explorer.move(" in cell.source).outputs[0].text.splitlines()[-1]
+    shown = Shown(page, 0, explorers_of(name)[0])
+    page.wait_for_timeout(1500)  # an echo that comes late would come now
+    assert shown.picture()["words"] == printed
+    fields = {each.name: each.readout.input_value() for each in shown.controls if not each.is_list}
+    assert fields == {"alpha": "0.50", "threshold": "0.00", "kernel_std": "0.25"}
+    assert shown.picture() == shown.expected()
+    assert shown.root.locator("svg, img").count() == 1, "one picture, not a second one below"

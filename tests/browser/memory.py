@@ -1,19 +1,13 @@
-"""A class plays with a slider for an hour: neither the page nor the kernel may grow with every step.
-
-Whether a page shows what the library says is the business of ``test_lessons``.
-"""
+"""How much a step of an explorer leaves behind, in a process and in a page: a class plays with a slider for an hour."""
 
 import gc
 import itertools
 import os
-import sys
 import tracemalloc
 from pathlib import Path
 
 import psutil
-import pytest
-from explorers import explorers_of, lessons_with_explorers, open_explorers
-from matplotlib import pyplot
+from explorers import Shown, ShownControl
 
 from npslam_teach.course.controls import Places
 from npslam_teach.pose_graph import factorization
@@ -27,7 +21,6 @@ NOT_QDLDL = tracemalloc.Filter(False, factorization.__file__)
 BYTES_PER_STEP = 10_000  # a picture is about 60 kB
 # In a page a picture is text, and a third more; two nodes and one listener a step are hundreds after an hour.
 LIMITS = {"heap": 20_000, "kernel": 40_000, "nodes": 2, "listeners": 1}
-LESSONS_IN_A_PAGE = ("04_dirichlet_process.ipynb", "07_fifteen_objects.ipynb")  # a toy; the whole method at every step
 
 
 def number_of_artists(explorer) -> int:
@@ -66,33 +59,6 @@ def traced_after(moves, explorer) -> int:
     return sum(trace.size for trace in tracemalloc.take_snapshot().filter_traces([NOT_QDLDL]).traces)
 
 
-@pytest.mark.parametrize("lesson", lessons_with_explorers())
-def test_steps_leave_nothing_behind_in_python(lesson):
-    for explorer in explorers_of(lesson):
-        moves = to_and_fro(explorer)
-        for move in itertools.islice(moves, WARM_UP):
-            explorer.move(**move)
-        before, figures = number_of_artists(explorer), pyplot.get_fignums()
-        growth = growth_in_python(moves, explorer)
-        assert pyplot.get_fignums() == figures == []
-        assert abs(number_of_artists(explorer) - before) < 100  # another value may need another few
-        assert growth < BYTES_PER_STEP, f"{growth / 1e3:.1f} kB a step"
-
-
-def test_a_leak_is_noticed(monkeypatch):
-    """One picture a step that somebody keeps."""
-    monkeypatch.setattr(sys.modules[__name__], "ROUNDS", (12, 30))
-    explorer, kept = explorers_of("04_dirichlet_process.ipynb")[0], []
-    move = explorer.move
-
-    class Leaking:
-        def move(self, **values):
-            move(**values)
-            kept.append(bytes(60_000))
-
-    assert growth_in_python(to_and_fro(explorer), Leaking()) > BYTES_PER_STEP
-
-
 def kernels_of(folder: Path) -> list[psutil.Process]:
     """The kernels that a JupyterLab has started in a folder."""
     found = []
@@ -117,30 +83,25 @@ class Footprint:
         session.detach()
 
 
-@pytest.mark.parametrize("lesson", LESSONS_IN_A_PAGE)
-def test_key_presses_leave_nothing_behind_in_a_page(lesson, page, lab, record_property):
-    known = {kernel.pid for kernel in kernels_of(lab.folder)}
-    explorer = open_explorers(page, lab, f"memory_{lesson}", [lesson])[lesson][0]
-    (kernel,) = (each for each in kernels_of(lab.folder) if each.pid not in known)
+def press(explorer: Shown, slider: ShownControl, times: int) -> None:
+    """Step by step, from one end of the slider to the other and back."""
+    last = len(slider.values()) - 1
+    forward = slider.index() < last
+    for _ in range(times):
+        if slider.index() in (0, last):
+            forward = slider.index() == 0
+        explorer.press(slider, forward)
+
+
+def growth_in_a_page(explorer: Shown, kernel: psutil.Process) -> dict[str, float]:
+    """By what a page and its kernel grow with a step of the first slider, which begins to warm up."""
     slider = next(control for control in explorer.controls if not control.is_list)
-
-    def press(times: int) -> None:
-        """Step by step, from one end of the slider to the other and back."""
-        forward = slider.index() < len(slider.values()) - 1
-        for _ in range(times):
-            if slider.index() in (0, len(slider.values()) - 1):
-                forward = slider.index() == 0
-            explorer.press(slider, forward)
-
-    press(WARM_UP)
+    press(explorer, slider, WARM_UP)
     for steps in ROUNDS:
-        before = Footprint(page, kernel)
-        press(steps)
-        after = Footprint(page, kernel)
+        before = Footprint(explorer.page, kernel)
+        press(explorer, slider, steps)
+        after = Footprint(explorer.page, kernel)
         growth = {name: (value - vars(before)[name]) / steps for name, value in vars(after).items()}
-        too_much = {name: value for name, value in growth.items() if value >= LIMITS[name]}
-        if not too_much:
+        if all(value < LIMITS[name] for name, value in growth.items()):
             break
-    record_property("growth", growth)
-    assert not too_much, growth
-    assert page.locator(".npslam-explorer figure").count() == len(explorers_of(lesson))
+    return growth

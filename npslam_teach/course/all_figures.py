@@ -9,9 +9,10 @@ from npslam_teach.course.a_real_robot import figures as a_real_robot_figures
 from npslam_teach.course.alternation import figures as alternation_figures
 from npslam_teach.course.class_votes import figures as class_votes_figures
 from npslam_teach.course.dirichlet_process import figures as dirichlet_process_figures
+from npslam_teach.course.draw_your_own_world.film import FILMS
 from npslam_teach.course.drift import figures as drift_figures
 from npslam_teach.course.fifteen_objects import figures as fifteen_objects_figures
-from npslam_teach.course.figure_file import draw_files
+from npslam_teach.course.figure_file import FigureFile, FilmFile, draw_files, draw_films
 from npslam_teach.course.filtering import figures as filtering_figures
 from npslam_teach.course.office import figures as office_figures
 from npslam_teach.course.pose_graph import figures as pose_graph_figures
@@ -42,7 +43,14 @@ FIGURES = tuple(sorted((entry for module in MODULES for entry in module.FIGURES)
 def draw_all(folder: Path) -> None:
     """Draw every figure of the course, and an index page with the alternative texts."""
     draw_files(FIGURES, folder)
+    draw_films(FILMS, folder)
     with atomic_write(folder / "README.md") as stream:
         stream.write("# Figures\n\n`python3 -m npslam_teach figures` draws them anew, byte for byte.\n")
         for entry in FIGURES:
-            stream.write(f"\n## {entry.name}\n\n![{entry.alt}]({entry.name}.png)\n\n{entry.alt}\n")
+            stream.write(_section(entry, "png"))
+        for entry in FILMS:
+            stream.write(_section(entry, "gif"))
+
+
+def _section(entry: FigureFile | FilmFile, suffix: str) -> str:
+    return f"\n## {entry.name}\n\n![{entry.alt}]({entry.name}.{suffix})\n\n{entry.alt}\n"

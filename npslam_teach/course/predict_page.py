@@ -107,8 +107,8 @@ def _corners(box: tuple[float, ...], scale: float) -> str:
     left, bottom, right, top = box
     style = 'font-size="16" fill="#555"'
     return (
-        f'<text x="6" y="{(top - bottom) * scale - 8:.0f}" {style}>({left:g}, {bottom:g}) m</text>'
-        f'<text x="{_SKETCH_WIDTH - 6}" y="20" text-anchor="end" {style}>({right:g}, {top:g}) m</text>'
+        f'<text x="6" y="{(top - bottom) * scale - 8:.0f}" {style}>from ({left:g}, {bottom:g}) m</text> '
+        f'<text x="{_SKETCH_WIDTH - 6}" y="20" text-anchor="end" {style}>to ({right:g}, {top:g}) m</text>'
     )
 
 

@@ -30,6 +30,13 @@ with predict("line") as see:
 """
 
 
+def hints_of(lesson):
+    """The first hints of a lesson, as they stand in it."""
+    cells = nbformat.read(ROOT / "notebooks" / lesson, as_version=4).cells
+    source = next(cell.source for cell in cells if "<details>" in cell.source)
+    return source[source.index("<details>") :]
+
+
 @pytest.fixture(scope="module")
 def page(chromium, lab):
     """The notebook as it is opened: its first cell has the output that a lesson is committed with, the others none."""
@@ -38,6 +45,7 @@ def page(chromium, lab):
     notebook = nbformat.read(path, as_version=4)
     committed = nbformat.read(ROOT / "notebooks" / LESSON, as_version=4).cells
     notebook.cells[0].outputs = next(cell.outputs for cell in committed if 'predict("cliff")' in cell.source)
+    notebook.cells.append(nbformat.v4.new_markdown_cell(hints_of("04_dirichlet_process.ipynb")))
     nbformat.write(notebook, path)
     opened = new_context(chromium, viewport=LARGE_WINDOW, has_touch=True).new_page()
     open_notebook(opened, lab, NAME, "predict")
@@ -92,6 +100,18 @@ def test_solutions_do_not_stand_above_the_lessons(page):
     listing.get_by_text(NAME).wait_for()
     assert not listing.get_by_text("solutions", exact=True).count()
     page.keyboard.press("Control+b")
+
+
+def test_hints_are_folded_and_then_the_solution_which_opens_though_it_is_not_listed(page):
+    hints = page.locator(".jp-MarkdownOutput > details")
+    link = hints.get_by_role("link", name="solutions of this lesson")
+    assert not hints.locator("li").first.is_visible()
+    hints.locator("summary").first.click()
+    assert hints.locator("li").first.is_visible() and not link.is_visible()
+    hints.locator("summary").nth(1).click()
+    link.click()
+    page.locator(".lm-TabBar-tabLabel", has_text="04_solutions.ipynb").wait_for()
+    page.locator(".lm-TabBar-tabLabel", has_text=NAME).click()
 
 
 def test_a_choice_by_keys_unfolds_all_of_its_result_and_is_kept_in_the_browser(asked):

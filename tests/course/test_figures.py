@@ -1,14 +1,19 @@
 """The figure files: complete, described, and the same bytes every time."""
 
+import io
 import re
 
+import numpy as np
 import pytest
+from PIL import Image, ImageSequence
 
 from npslam_teach import simulate
 from npslam_teach.cli import parser
 from npslam_teach.course import all_figures
+from npslam_teach.course.draw_your_own_world import film
 from npslam_teach.course.fifteen_objects import figures
 from npslam_teach.course.figure_file import draw_files
+from npslam_teach.plotting.style import CLASS_COLORS
 
 pytestmark = pytest.mark.slow
 
@@ -23,18 +28,42 @@ def drawn(tmp_path_factory):
     return [{p.name: p.read_bytes() for p in (folder / n).iterdir()} for n in ("first", "second")]
 
 
+def every_file() -> set[str]:
+    """The names of all files that the course's code draws into the folder of figures."""
+    figures = {f"{entry.name}.{suffix}" for entry in all_figures.FIGURES for suffix in ("png", "svg")}
+    return figures | {f"{entry.name}.gif" for entry in all_figures.FILMS} | {"README.md"}
+
+
 def test_the_command_draws_everything_and_always_alike(drawn):
     first, second = drawn
     assert len(second) == 2 * len(all_figures.FIGURES[::4])
     assert second.items() <= first.items()
-    expected = {f"{entry.name}.{suffix}" for entry in all_figures.FIGURES for suffix in ("png", "svg")}
-    assert set(first) == expected | {"README.md"}
+    assert set(first) == every_file()
 
 
 def test_the_index_describes_every_figure(drawn):
     index = drawn[0]["README.md"].decode()
     for entry in all_figures.FIGURES:
         assert f"![{entry.alt}]({entry.name}.png)" in index
+    for entry in all_figures.FILMS:
+        assert f"![{entry.alt}]({entry.name}.gif)" in index
+
+
+def test_the_film_of_the_drawing_page_ends_with_the_objects_that_are_there(drawn):
+    """It is small enough for a first page, it moves, and each class has its colour at the true places at the end."""
+    content = drawn[0]["draw_your_own_world.gif"]
+    assert len(content) < 1_000_000
+    assert film.world_film() == content, "the same bytes every time"
+    frames = [frame.convert("RGB") for frame in ImageSequence.Iterator(Image.open(io.BytesIO(content)))]
+    assert len(frames) > 25 and len({frame.tobytes() for frame in frames}) == len(frames)
+    colors = [tuple(int(each[k : k + 2], 16) for k in (1, 3, 5)) for each in CLASS_COLORS[:5]]
+    amounts = [[count_near(frame, color) for color in colors] for frame in (frames[0], frames[-1])]
+    assert max(amounts[0]) == 0 and min(amounts[1]) > 100
+
+
+def count_near(frame, color) -> int:
+    """How many pixels have a colour, but for what a palette of 256 changes."""
+    return int(np.all(np.abs(np.asarray(frame, dtype=int) - color) < 14, axis=2).sum())
 
 
 def test_every_figure_of_the_deck_is_there():
@@ -46,13 +75,13 @@ def test_the_committed_figures_are_those_of_the_code():
     """Names, not bytes: another version of matplotlib draws other bytes."""
     from npslam_teach.cli.commands import ROOT
 
-    committed = {path.name for path in (ROOT / "figures").iterdir()}
-    assert committed == {f"{e.name}.{suffix}" for e in all_figures.FIGURES for suffix in ("png", "svg")} | {"README.md"}
+    assert {path.name for path in (ROOT / "figures").iterdir()} == every_file()
 
 
 def test_alternative_texts_say_something():
-    assert all(len(entry.alt) > 60 for entry in all_figures.FIGURES)
-    assert len({entry.alt for entry in all_figures.FIGURES}) == len(all_figures.FIGURES)
+    entries = all_figures.FIGURES + all_figures.FILMS
+    assert all(len(entry.alt) > 60 for entry in entries)
+    assert len({entry.alt for entry in entries}) == len(entries)
 
 
 def test_reproduce_draws_the_figures_of_its_own_run(tmp_path, capsys):

@@ -77,7 +77,7 @@ def explore_posterior(exact: ExactPosterior, true_labels: np.ndarray) -> Explore
 
     log_alpha = slider("log10 of alpha", 0.0, -3.0, 3.0, 0.1)
     temperature = slider("temperature", 1.0, 0.1, 8.0, 0.1)
-    frames = {"log_alpha": (-3, 0, 3), "temperature": (0.1, 1, 4)}
+    frames = {"log_alpha": (0, 3), "temperature": (0.1, 1, 4)}
     return Explorer(figure, update, frames, log_alpha=log_alpha, temperature=temperature)
 
 

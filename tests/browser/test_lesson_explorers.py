@@ -6,6 +6,7 @@ of a machine that runs other tests too (``python tests/browser/latency.py`` meas
 """
 
 import itertools
+import re
 
 import memory
 import pytest
@@ -165,3 +166,35 @@ def test_key_presses_leave_nothing_behind_in_a_page(explorers, notebook, lab, re
     record_property("growth", growth)
     assert all(value < memory.LIMITS[name] for name, value in growth.items()), growth
     assert page.locator(f"{EXPLORER} figure").count() == sum(map(len, all_explorers.values()))
+
+
+# --- springs ---------------------------------------------------------------------------------------------------------
+
+
+def chi2_of(words: str) -> float:
+    return float(re.search(r"chi2 is ([\d.]+)\.", words).group(1))
+
+
+@pytest.mark.parametrize("hand", ["mouse", "keys"])
+def test_a_pose_is_pulled_by_hand_and_the_solver_takes_it_back(notebook, hand):
+    """Last, because the poses are left where the hand has put them."""
+    page, springs = notebook[0], notebook[1]["03_pose_graph.ipynb"][0]
+    springs.root.scroll_into_view_if_needed()
+    handle = springs.root.locator("[data-index='2']")
+    at_rest = chi2_of(springs.twin.move(iteration=6))
+    if hand == "mouse":
+        box = handle.bounding_box()
+        page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        page.mouse.down()
+        page.mouse.move(box["x"] + 60, box["y"] + 60)
+    else:
+        handle.focus()
+        for _ in range(4):
+            page.keyboard.down("ArrowUp")
+    caption = "root.querySelector('figcaption').textContent"
+    chi2 = f"Number({caption}.match(/chi2 is ([\\d.]+)\\./)[1])"
+    springs.wait(f"{caption}.startsWith(known) && {chi2} > 10", "As it is held", "no spring is stretched")
+    held = chi2_of(springs.picture()["words"])
+    page.mouse.up() if hand == "mouse" else page.keyboard.up("ArrowUp")
+    springs.wait(f"{caption}.includes(known)", "After step 6", "nobody has let go")
+    assert chi2_of(springs.picture()["words"]) == at_rest < held

@@ -2,10 +2,12 @@
 
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 from npslam_teach.cli.output_files import announce, folder_named
 from npslam_teach.system.interpreter import replace_process
+from npslam_teach.system.trust import trust_committed
 
 ROOT = Path(__file__).absolute().parent.parent.parent
 # Of the tests: the mathematics, the files and the command line.
@@ -31,7 +33,7 @@ def lab(options) -> int:
         # In a container everybody is root, and Jupyter would refuse; it still listens on this machine only.
         arguments += ["--allow-root"]
     arguments += [f"--ContentsManager.hide_globs={name}" for name in HIDDEN]
-    return _run_module(arguments, {"JUPYTER_CONFIG_PATH": _config_path()})
+    return _run_module(arguments, {"JUPYTER_CONFIG_PATH": _config_path()}, before=trust_committed)
 
 
 def _config_path() -> str:
@@ -126,18 +128,25 @@ def _require_checkout(path: Path) -> None:
         )
 
 
-def _run_module(arguments: list[str], variables: dict[str, str] | None = None) -> int:
+def _run_module(
+    arguments: list[str],
+    variables: dict[str, str] | None = None,
+    before: Callable[[Path], object] | None = None,
+) -> int:
     """Run ``python -m`` on this interpreter, in the course's folder, in place of this process.
 
     Args:
         arguments: the module and what it is given.
         variables: of its environment, beside those that Jupyter needs.
+        before: what is done with the course's folder first, in that environment.
     """
     from npslam_teach.system.jupyter import own_jupyter, writable_folders
 
     os.environ.update(own_jupyter() | writable_folders() | (variables or {}))
     os.environ.pop("MPLBACKEND", None)  # a kernel chooses its own, and another may not be installed here
     os.chdir(ROOT)
+    if before is not None:
+        before(ROOT)
     return _run_python(["-m", *arguments])
 
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from npslam_teach import association, se2, simulate
+from npslam_teach import association, se2
+from npslam_teach.course.alternation.check_inputs import one_alternation_inputs
 from npslam_teach.course.checking import Verdict, as_array, wrong
 from npslam_teach.course.comparing import exactly, grouped_alike
 from npslam_teach.course.trials import Part, check_function, fresh
-from npslam_teach.methods.snapshots import PAPER_ODOMETRY_STD, initial_snapshot
 from npslam_teach.pose_graph import chi2, optimize, with_associations
 from npslam_teach.types import PoseGraph, RobotLog
 
@@ -135,7 +135,7 @@ def check_one_alternation(student: Callable) -> Verdict:
             _half(*t)[1]
         ),
     }
-    trials = [each for _ in range(2) for each in _rounds()]
+    trials, edges = one_alternation_inputs()
     hints = (
         "the labels differ: carry every sighting into the room along graph.poses, and sweep once",
         "the labels are right, the graph is not: solve once, from the present poses, with observation_std",
@@ -144,7 +144,6 @@ def check_one_alternation(student: Callable) -> Verdict:
         Part("the labels", of_labels, grouped_alike, hint=hints[0]),
         Part("the graph", of_graph, _solved_alike, hint=hints[1], read=_read_graph),
     )
-    edges = {"with two sightings whose weight, 0.35, lies between two values of alpha": [_pair(0.25), _pair(0.45)]}
     praise = "repeat it until no label changes, and you have the whole method"
     return check_function(student, truth, parts, trials, edges, praise)
 
@@ -175,40 +174,6 @@ def _read_graph(name: str, answer, shape: tuple):
     except Exception:  # whatever an object of any other kind does when it is asked for poses
         return None, wrong(f"{name}, the second thing, should be a graph, yours is {type(answer).__name__}")
     return as_array(name, numbers, shape)
-
-
-def _rounds() -> list[tuple]:
-    """Arguments of a round: at the beginning, along a better path, and with labels that are partly right."""
-    rng = fresh()
-    log, truth = simulate.toy_objects()
-    noisy = np.tile(log.obs_xy, (3, 1)) + rng.normal(0, 0.15, (24, 2))
-    odometry = log.odometry.copy()
-    odometry[2, 0] += 1.0
-    times, classes = np.tile(log.obs_time, 3), np.tile(log.obs_class, 3)
-    shaken = RobotLog(odometry, times, noisy, classes, log.num_classes, log.odometry_std, log.observation_std)
-    alpha, std = float(rng.uniform(0.3, 0.9)), tuple(rng.uniform(0.1, 0.5, 2).tolist())
-    first = initial_snapshot(shaken, PAPER_ODOMETRY_STD, std, alpha)
-    # Later the path is no longer that of the odometry: wrong answers may differ from right ones only there.
-    seen_at = se2.apply(truth.poses[times], noisy)
-    later = replace(first.graph, poses=truth.poses, landmarks=seen_at)
-    grouped = np.unique(np.where(rng.random(24) < 0.6, np.arange(24) % 8, 8 + np.arange(24) % 3), return_inverse=True)[
-        1
-    ]
-    places = np.array([seen_at[grouped == i].mean(axis=0) for i in range(grouped.max() + 1)])
-    tied = with_associations(shaken, later, grouped, places, std)
-    return [
-        (shaken, graph, labels, alpha, std)
-        for graph, labels in ((first.graph, first.labels), (later, first.labels), (tied, grouped))
-    ]
-
-
-def _pair(alpha: float) -> tuple:
-    """Arguments of a round for two sightings of one class that weigh 0.35 to each other."""
-    xy = np.array([[1.0, 0.0], [1.0 + math.sqrt(-math.log(0.35) / 4), 0.0]])
-    none = np.zeros(2, dtype=int)
-    log = RobotLog(np.array([[0.5, 0.0, 0.1]]), none, xy, none, 1, np.full(3, 0.1), np.full(2, 0.1))
-    first = initial_snapshot(log, PAPER_ODOMETRY_STD, (0.2, 0.3), alpha)
-    return log, first.graph, first.labels, alpha, (0.2, 0.3)
 
 
 def check_kept(student: Callable) -> Verdict:

@@ -23,6 +23,7 @@ ORIGINALS = (
 _ROOT = str(Path(__file__).parent.parent)
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [_ROOT, os.environ.get("PYTHONPATH")]))
 use_own_ports()
+os.environ["NPSLAM_TEACH_FRAMES"] = "1"  # as in notebooks/conftest.py
 # On a busy machine even a small run may take the two seconds after which a bar appears among the words under test.
 os.environ["TQDM_DISABLE"] = "1"
 

@@ -189,10 +189,7 @@ class GibbsSampler:
         column, b = self.joint.column(gone), slice(2 * stays, 2 * stays + 2)
         cov = self.joint.own[gone] + self.joint.own[stays] - column[b] - column[b].T
         mean = self.joint.mean.reshape(-1, 2)
-        joint, *apart = (
-            log_prior(self.evidence.counts[each].tolist(), self.evidence)
-            for each in (sorted(first + second), first, second)
-        )
+        joint, *apart = (log_prior(each, self.evidence) for each in (sorted(first + second), first, second))
         return float(log_normal(mean[stays] - mean[gone], cov)) + joint - sum(apart)
 
     def merge(self, gone: int, stays: int) -> None:
@@ -213,9 +210,8 @@ class GibbsSampler:
         """How the log prior changes when a tracklet comes to members (+1), or leaves them for itself (-1)."""
         with_it = sorted([*members, tracklet]) if sign > 0 else members
         without = members if sign > 0 else [each for each in members if each != tracklet]
-        counts, own = self.evidence.counts, [self.evidence.counts[tracklet]]
-        joint = log_prior(counts[with_it].tolist(), self.evidence)
-        apart = log_prior(counts[without].tolist(), self.evidence) + log_prior(own, self.evidence)
+        joint = log_prior(with_it, self.evidence)
+        apart = log_prior(without, self.evidence) + log_prior([tracklet], self.evidence)
         return sign * (joint - apart)
 
     def _free_slot(self) -> int:

@@ -8,7 +8,8 @@ partition says which of these positions are one and the same. Its posterior is a
 
 A tracklet is one draw of a Chinese restaurant process: its first observation is drawn, the others stay with it. An
 object costs ``alpha / area`` (objects are uniform over the area), and joining it weighs as many observations as it has
-by then. Where every tracklet is a single observation this is the process itself: ``alpha^K prod (n_i - 1)!``.
+by then. Where every tracklet is a single observation this is the process itself: ``alpha^K prod (n_i - 1)!``. Reports
+of classes that are not certain weigh by how well those of one object agree (``semantics.class_evidence``).
 
 ``log_posterior`` and ``plain_weights`` say it as it is; ``gibbs`` says the same faster.
 """
@@ -18,6 +19,8 @@ from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
+
+from npslam_teach.association.semantics import class_evidence
 
 
 class TrackletEvidence(NamedTuple):
@@ -30,6 +33,7 @@ class TrackletEvidence(NamedTuple):
     rivals: np.ndarray  # (N, N) bool, pairs that cannot be one object: seen in one frame, or of two classes
     alpha: float  # concentration
     area: float  # m^2
+    classes: np.ndarray | None = None  # (N, C) what the reports of each say, logarithms; None: only ``rivals`` says it
 
 
 def log_posterior(evidence: TrackletEvidence, labels: np.ndarray) -> float:
@@ -59,7 +63,7 @@ def log_evidence(evidence: TrackletEvidence, precision, vector, mean, members: l
     """
     chi2 = evidence.constant - vector @ mean
     log_det = np.linalg.slogdet(precision / (2 * np.pi))[1]
-    prior = sum(log_prior(evidence.counts[each].tolist(), evidence) for each in members)
+    prior = sum(log_prior(each, evidence) for each in members)
     return float(-chi2 / 2 - log_det / 2 + prior)
 
 
@@ -78,9 +82,13 @@ def joint_system(evidence: TrackletEvidence, labels: np.ndarray) -> tuple[np.nda
     return precision, np.add.reduceat(evidence.vector.reshape(count, 2)[order], starts, axis=0).ravel()
 
 
-def log_prior(counts: list[int], evidence: TrackletEvidence) -> float:
-    """The log prior of one object whose tracklets have so many observations, in the order of first sight."""
-    return math.log(evidence.alpha / evidence.area) + sum(math.log(before) for before in accumulate(counts[:-1]))
+def log_prior(members: list[int], evidence: TrackletEvidence) -> float:
+    """The log prior of an object of these tracklets, in the order of first sight, and of what they say of its class."""
+    counts = evidence.counts[members].tolist()
+    seats = math.log(evidence.alpha / evidence.area) + sum(math.log(before) for before in accumulate(counts[:-1]))
+    if evidence.classes is None or not members:
+        return seats
+    return seats + class_evidence(evidence.classes[members].sum(axis=0))
 
 
 def plain_weights(evidence: TrackletEvidence, labels: np.ndarray, tracklet: int) -> np.ndarray:

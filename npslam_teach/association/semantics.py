@@ -6,9 +6,13 @@ rule, all classes alike before), and an observation suits an object as well as t
 certain this is the rule of all other methods: the classes must be equal.
 """
 
+import math
+
 import numpy as np
 
 from npslam_teach.validation import checked_array, require_distributions
+
+LEAST = math.log(1e-12)  # of the likelihood of a class
 
 
 def reported(obs_class: np.ndarray, confusion: np.ndarray) -> np.ndarray:
@@ -65,6 +69,43 @@ def log_likelihoods(obs_class: np.ndarray, num_classes: int, class_probabilities
         return np.log(known)
 
 
+def floored(seen: np.ndarray) -> np.ndarray:
+    """The same (..., C), no class ruled out: one report of many must not be believed without end."""
+    return np.maximum(seen, LEAST)
+
+
+def combined(seen: np.ndarray, objects: np.ndarray, count: int, weight: np.ndarray | float = 1.0) -> np.ndarray:
+    """The sum of what observations say, object by object: logarithms (K, C), not normalised.
+
+    Args:
+        seen: (m, C), see ``log_likelihoods``.
+        objects: (m,) the object of each observation.
+        count: K.
+        weight: (m,) how much each observation counts, or the same for all.
+    """
+    total = np.zeros((count, seen.shape[1]))
+    np.add.at(total, objects, np.reshape(weight, (-1, 1)) * seen)
+    return total
+
+
+def normalised(total: np.ndarray) -> np.ndarray:
+    """Logarithms of probabilities (K, C) from those of weights (K, C), of which one in each row is finite."""
+    total = total - total.max(axis=1, keepdims=True, initial=-np.inf)
+    return total - np.log(np.exp(total).sum(axis=1, keepdims=True))
+
+
+def class_evidence(total: np.ndarray) -> float:
+    """How well the reports of one object agree: the log of their mean likelihood over its classes, all alike before.
+
+    It is 0 for one report whose likelihoods are relative to their mean, and for reports of nothing.
+
+    Args:
+        total: (C,) the sum of what they say, see ``combined``.
+    """
+    largest = float(total.max())
+    return largest + math.log(np.exp(total - largest).mean()) if math.isfinite(largest) else largest
+
+
 def class_distances(seen: np.ndarray, belief: np.ndarray) -> np.ndarray:
     """What the classes add to the squared Mahalanobis distance: ``-2 log`` of how well they agree.
 
@@ -93,8 +134,6 @@ def updated_belief(belief: np.ndarray, seen: np.ndarray) -> np.ndarray:
         ValueError: an observation contradicts what is known for sure.
     """
     total = belief + seen
-    largest = total.max(axis=1, keepdims=True, initial=-np.inf)
-    if np.isneginf(largest).any():
+    if np.isneginf(total.max(axis=1, initial=-np.inf)).any():
         raise ValueError("seen: expected observations that some class allows, got one that contradicts its object")
-    total = total - largest
-    return total - np.log(np.exp(total).sum(axis=1, keepdims=True))
+    return normalised(total)

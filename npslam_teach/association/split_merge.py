@@ -129,13 +129,12 @@ def _merger_changes(sampler: GibbsSampler, spread: np.ndarray | float = 0.0) -> 
     cov = own[:, None] + own - blocks - blocks.swapaxes(2, 3) + spread
     cov[np.arange(count), np.arange(count)] = np.eye(2)
     change = np.where(rivals | np.eye(count, dtype=bool), -np.inf, log_normal(mean[:, None] - mean, cov))
-    prior = [log_prior(sampler.evidence.counts[each].tolist(), sampler.evidence) for each in sampler.members]
+    prior = [log_prior(each, sampler.evidence) for each in sampler.members]
     # A merger can gain no more than this by the prior: one object less, and every tracklet joins all the others.
     evidence = sampler.evidence
     most = abs(math.log(evidence.alpha / evidence.area)) + len(sampler.slot) * math.log(evidence.counts.sum())
     for i, j in np.argwhere(np.triu(change > -most)):
-        both = sorted(sampler.members[i] + sampler.members[j])
-        joint = log_prior(sampler.evidence.counts[both].tolist(), sampler.evidence)
+        joint = log_prior(sorted(sampler.members[i] + sampler.members[j]), sampler.evidence)
         change[i, j] += joint - prior[i] - prior[j]
     change[np.tril_indices(count)] = -np.inf
     return change

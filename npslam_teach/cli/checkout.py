@@ -11,6 +11,8 @@ from npslam_teach.system.trust import trust_committed
 
 ROOT = Path(__file__).absolute().parent.parent.parent
 # Of the tests: the mathematics, the files and the command line.
+# A student's list of files begins with lessons, not with their solutions, which links still open.
+HIDDEN = "__pycache__ *.py[co] *~ solutions conftest.py ruff.toml".split()
 QUICK_FOLDERS = "pose_graph association methods evaluation simulate datasets experiments cli".split()
 
 
@@ -30,8 +32,7 @@ def lab(options) -> int:
     if hasattr(os, "geteuid") and os.geteuid() == 0:
         # In a container everybody is root, and Jupyter would refuse; it still listens on this machine only.
         arguments += ["--allow-root"]
-    # A student's list of files begins with lessons, not with their solutions, which links still open.
-    arguments += [f"--ContentsManager.hide_globs={name}" for name in ("__pycache__", "*.py[co]", "*~", "solutions")]
+    arguments += [f"--ContentsManager.hide_globs={name}" for name in HIDDEN]
     return _run_module(arguments, {"JUPYTER_CONFIG_PATH": _config_path()}, before=trust_committed)
 
 
@@ -112,6 +113,8 @@ def assignment(options) -> int:
         print(student_course.write_student_course(ROOT, folder_named(options.out)))
         return 0
     lessons = list(dict.fromkeys(options.lessons))
+    if not lessons:
+        raise ValueError("LESSON: expected numbers of lessons, such as 04, or --course, got neither")
     folder = folder_named(options.out, is_new=True)
     for path in making.write_assignments(ROOT / "notebooks", lessons, folder, options.student):
         print(path)

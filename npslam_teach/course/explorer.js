@@ -1,47 +1,315 @@
-// Gives an explorer what ipywidgets leaves out: names that a screen reader finds, words that it reads when they change,
-// and keys that move a slider or a list and not the notebook around it. Without this file explorers work all the same.
+// An explorer, the page's side: controls, a picture that follows them, and points in it that can be dragged.
+//
+// The kernel alone owns the state. The page asks for values, one request at a time, and of what is asked for meanwhile
+// only the last is sent. It shows what `shown` says and never sends anything because of it, so nothing can echo. The
+// same file runs without a kernel on frames that were computed before: see `frozen` at the end.
 
-const ICONS = { "fa-play": "play", "fa-pause": "pause", "fa-stop": "stop and return", "fa-retweet": "repeat" };
+const GLIDE = 220; // ms that a scene takes to become the next
+const PATIENCE = 4000; // ms without an answer before the page says so
+const SVG = "http://www.w3.org/2000/svg";
+const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+const NUMBER = /-?\d+(?:\.\d+)?(?:e-?\d+)?/g;
 
-function set(element, attributes) {
-  for (const [name, value] of Object.entries(attributes)) element?.setAttribute(name, value);
-}
-
-function describe(root) {
-  for (const slider of root.querySelectorAll(".widget-slider")) {
-    const name = slider.querySelector("label")?.textContent;
-    set(slider.querySelector("[role=slider]"), { "aria-label": name });
-    set(slider.querySelector(".widget-readout"), { role: "textbox", "aria-label": `${name}, typed` });
+/** An element with attributes and children; names that begin with "on" are listeners. */
+function h(tag, attributes = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
+    else element.setAttribute(name, value);
   }
-  for (const icon of root.querySelectorAll(".widget-play button i")) {
-    const name = Object.keys(ICONS).find((each) => icon.classList.contains(each));
-    set(icon.parentElement, { "aria-label": ICONS[name], title: ICONS[name] });
+  element.append(...children);
+  return element;
+}
+
+const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
+const exact = (value) => Number(value.toPrecision(12)); // 0.7, where adding up steps gives 0.7000000000000001
+const decimals = (step) => (String(step).split(".")[1] ?? "").length;
+/** A number as it is written: with the decimals of its step, or with four digits where it lies beside the grid. */
+function textOf(value, step) {
+  const onGrid = value.toFixed(decimals(step));
+  return Number(onGrid) === value ? onGrid : String(Number(value.toPrecision(4)));
+}
+
+/** Asks the kernel for values: one request under way, the newest wish waiting. */
+function asker(model, root) {
+  const view = Math.random().toString(36).slice(2);
+  let number = 0, wish = {}, underWay = null, patience = 0;
+  function send() {
+    if (underWay || !Object.keys(wish).length) return;
+    underWay = wish;
+    wish = {};
+    number += 1;
+    patience = setTimeout(() => root.classList.add("waiting"), PATIENCE);
+    model.send({ view, number, values: underWay });
   }
-  set(root.querySelector(".widget-html-content"), { "aria-live": "polite", "aria-atomic": "true" });
+  return {
+    ask(values) { wish = { ...wish, ...values }; send(); },
+    /** What the page shows of a control while the kernel has not yet answered: the last wish, not an older answer. */
+    wishes: () => ({ ...underWay, ...wish }),
+    answered(shown) {
+      if (shown.answers?.view !== view || shown.answers.number !== number) return;
+      clearTimeout(patience);
+      root.classList.remove("waiting");
+      underWay = null;
+      send();
+    },
+  };
 }
 
-async function attached(element, signal) {
-  while (!element.isConnected && !signal.aborted) await new Promise(requestAnimationFrame);
+/** A slider over the places of a grid; its number, which can be typed; and buttons where it has steps to play. */
+function sliderRow(spec, id, ask) {
+  const grid = spec.grid ?? null; // the only values there are, where frames were computed before
+  const last = grid ? grid.length - 1 : Math.round((spec.max - spec.min) / spec.step);
+  const at = (place) => (grid ? grid[place] : exact(Math.min(spec.min + place * spec.step, spec.max)));
+  const nearest = (value) => {
+    if (!grid) return clamp(Math.round((value - spec.min) / spec.step), 0, last);
+    return grid.reduce((best, each, k) => (Math.abs(each - value) < Math.abs(grid[best] - value) ? k : best), 0);
+  };
+  let value = spec.min, timer = 0;
+  const range = h("input", { type: "range", id, min: 0, max: last, step: 1, "data-control": spec.name });
+  const number = h("input", { type: "text", inputmode: "decimal", "aria-label": `${spec.label}, typed`, size: 6 });
+  const go = (wanted) => { show(wanted); ask({ [spec.name]: wanted }); };
+  range.addEventListener("input", () => { pause(); go(at(Number(range.value))); });
+  const take = () => {
+    if (number.value === textOf(value, spec.step)) return;
+    const typed = Number(number.value.replace(",", ".").replace("\u2212", "-"));
+    if (number.value.trim() === "" || !Number.isFinite(typed)) return show(value);
+    const inside = clamp(typed, spec.min, spec.max);
+    go(grid || spec.whole ? at(nearest(inside)) : inside);
+  };
+  number.addEventListener("change", take);
+  number.addEventListener("keydown", (event) => { if (event.key === "Enter") take(); });
+
+  const label = h("button", { type: "button", class: "play", onclick: () => (timer ? pause() : play()) });
+  const step = (by) => { pause(); go(at(clamp(nearest(value) + by, 0, last))); };
+  const button = (name, sign, onclick) => h("button", { type: "button", "aria-label": name, title: name, onclick }, sign);
+  function pause() {
+    clearInterval(timer);
+    timer = 0;
+    label.textContent = "▶";
+    label.setAttribute("aria-label", "play");
+    label.title = `play ${spec.label}`;
+  }
+  function play() {
+    if (nearest(value) === last) go(at(0));
+    label.textContent = "❚❚";
+    label.setAttribute("aria-label", "pause");
+    label.title = "pause";
+    timer = setInterval(() => {
+      if (!range.isConnected || nearest(value) === last) return pause();
+      go(at(nearest(value) + 1));
+      if (nearest(value) === last) pause();
+    }, spec.play);
+  }
+  function show(wanted) {
+    value = wanted;
+    range.value = nearest(value);
+    range.setAttribute("aria-valuetext", textOf(value, spec.step));
+    number.value = textOf(value, spec.step);
+  }
+  pause();
+  const buttons = spec.play ? [button("step back", "◀", () => step(-1)), label, button("step on", "▶|", () => step(1))] : [];
+  return { row: h("div", { class: "row" }, h("label", { for: id }, spec.label), range, number, ...buttons), show, play, stop: pause };
 }
 
-export default {
-  render({ el }) {
-    const end = new AbortController();
-    attached(el, end.signal).then(() => {
-      const root = el.closest(".npslam-explorer");
-      if (!root || end.signal.aborted) return;
-      // JupyterLab hears of a key before the slider does: an arrow selects another cell, and two d delete this one.
-      // Its own shortcuts with Ctrl, Alt or Cmd are left to it.
-      const keepKeys = ({ target, ctrlKey, altKey, metaKey }) => {
-        if (!root.contains(target)) return;
-        target.toggleAttribute("data-lm-suppress-shortcuts", !(ctrlKey || altKey || metaKey));
-      };
-      window.addEventListener("keydown", keepKeys, { capture: true, signal: end.signal });
-      const observer = new MutationObserver(() => describe(root));
-      observer.observe(root, { childList: true, subtree: true, attributeFilter: ["class"] });
-      end.signal.addEventListener("abort", () => observer.disconnect());
-      describe(root);
+function choiceRow(spec, id, ask) {
+  const list = h("select", { id, "data-control": spec.name, onchange: () => ask({ [spec.name]: list.selectedIndex }) });
+  list.append(...spec.options.map((text) => h("option", {}, text)));
+  const row = h("div", { class: "row" }, h("label", { for: id }, spec.label), list);
+  return { row, show: (place) => { list.selectedIndex = place; }, stop() {} };
+}
+
+/** What lies between two texts that differ in their numbers alone; the second one otherwise. */
+function between(from, to, share) {
+  const [a, b] = [from.match(NUMBER) ?? [], to.match(NUMBER) ?? []];
+  if (from === to || a.length !== b.length || from.replace(NUMBER, "#") !== to.replace(NUMBER, "#")) return to;
+  let k = 0;
+  return to.replace(NUMBER, () => { const [p, q] = [Number(a[k]), Number(b[k])]; k += 1; return String(+(p + share * (q - p)).toFixed(2)); });
+}
+
+/** A drawing of parts, each [tag, attributes, text] by its name; a part glides from what it was to what it becomes. */
+function sceneOf(figure, model, ask, rows) {
+  const svg = document.createElementNS(SVG, "svg");
+  svg.setAttribute("role", "group");
+  svg.setAttribute("aria-label", "picture with points that can be moved");
+  figure.prepend(svg);
+  const drawn = new Map(); // name: { element, attributes }
+  const calm = matchMedia("(prefers-reduced-motion: reduce)");
+  const places = Object.fromEntries(model.get("controls").filter((each) => each.kind === "places").map((each) => [each.name, each]));
+  let frame = 0, held = null, values = {};
+
+  function show(scene, newValues, wishes) {
+    values = { ...newValues, ...wishes };
+    if (held) values[held.control.name] = held.value;
+    svg.setAttribute("viewBox", `0 0 ${scene.size.join(" ")}`);
+    svg.style.maxWidth = `${scene.size[0]}px`;
+    for (const [name, { element }] of drawn) if (!(name in scene.parts)) { element.remove(); drawn.delete(name); }
+    const moves = [];
+    for (const [name, [tag, attributes, text]] of Object.entries(scene.parts)) {
+      const owner = attributes["data-places"];
+      if (owner && !places[owner]) continue; // nothing can be moved where no kernel answers
+      let part = drawn.get(name);
+      if (!part || part.element.tagName !== tag) {
+        part?.element.remove();
+        part = { element: document.createElementNS(SVG, tag), attributes: {} };
+        drawn.set(name, part);
+        for (const [key, value] of Object.entries(attributes)) part.element.setAttribute(key, value);
+        if ("data-index" in attributes) grasp(part.element, places[owner], Number(attributes["data-index"]));
+      }
+      if (svg.children[moves.length] !== part.element) svg.insertBefore(part.element, svg.children[moves.length] ?? null);
+      if (part.element.textContent !== (text ?? "")) part.element.textContent = text ?? "";
+      moves.push([part.element, attributes, Object.fromEntries(Object.keys(attributes).map((key) => [key, part.element.getAttribute(key) ?? ""]))]);
+      part.attributes = attributes;
+    }
+    cancelAnimationFrame(frame);
+    const begin = performance.now();
+    const draw = (now) => {
+      const share = calm.matches || held || document.hidden ? 1 : clamp((now - begin) / GLIDE, 0, 1);
+      for (const [element, to, from] of moves) {
+        if (element === held?.element) continue; // it is where the hand is
+        for (const key of Object.keys(to)) element.setAttribute(key, share < 1 ? between(from[key], to[key], share) : to[key]);
+      }
+      if (share < 1) frame = requestAnimationFrame(draw);
+    };
+    draw(begin + 16);
+  }
+
+  /** Make a part follow mouse, finger and arrow keys. */
+  function grasp(element, control, index) {
+    const player = rows.get(control.released);
+    const { low, high, step, scale } = control; // page = scale[0] * x + scale[1], scale[2] * y + scale[3]
+    const moveTo = (x, y) => {
+      const rounded = [[x, 0], [y, 1]].map(([each, axis]) => exact(clamp(Math.round(each / step) * step, low[axis], high[axis])));
+      if (player) player.stop();
+      const all = values[control.name].map((each, k) => (k === index ? rounded : each));
+      values = { ...values, [control.name]: all };
+      if (held) held.value = all;
+      element.setAttribute("cx", scale[0] * rounded[0] + scale[1]);
+      element.setAttribute("cy", scale[2] * rounded[1] + scale[3]);
+      ask({ [control.name]: all, ...(player && { [control.released]: 0 }) });
+    };
+    /** Where a player has moved the points, a hand takes them from where they are drawn. */
+    const takeAsDrawn = () => {
+      if (!player) return;
+      const handles = [...drawn.values()].filter((each) => each.attributes["data-places"] === control.name && "data-index" in each.attributes);
+      const at = ({ element: { cx, cy } }) => [(cx.baseVal.value - scale[1]) / scale[0], (cy.baseVal.value - scale[3]) / scale[2]].map(exact);
+      values = { ...values, [control.name]: handles.map(at) };
+    };
+    const pointer = (event) => {
+      const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+      moveTo((point.x - scale[1]) / scale[0], (point.y - scale[3]) / scale[2]);
+    };
+    element.addEventListener("pointerdown", (event) => {
+      event.preventDefault();
+      element.focus();
+      element.setPointerCapture(event.pointerId);
+      takeAsDrawn();
+      held = { element, control, value: values[control.name] };
     });
-    return () => end.abort();
-  },
-};
+    // A finger on a handle drags it and does not scroll the page.
+    element.addEventListener("touchstart", (event) => event.preventDefault(), { passive: false });
+    element.addEventListener("pointermove", (event) => { if (held?.element === element) pointer(event); });
+    for (const end of ["pointerup", "pointercancel"]) {
+      element.addEventListener(end, (event) => {
+        if (held?.element !== element) return;
+        if (end === "pointerup") pointer(event); // a quick finger's last move comes with its end
+        held = null;
+        player?.play();
+      });
+    }
+    element.addEventListener("keydown", (event) => {
+      const arrow = ARROWS[event.key];
+      if (!arrow || event.ctrlKey || event.altKey || event.metaKey) return;
+      event.preventDefault();
+      takeAsDrawn();
+      const [x, y] = values[control.name][index], far = (event.shiftKey ? 5 : 1) * (control.key ?? step);
+      moveTo(x + far * arrow[0], y + far * arrow[1]);
+    });
+    element.addEventListener("keyup", (event) => { if (ARROWS[event.key]) player?.play(); });
+  }
+  return { show, stop: () => cancelAnimationFrame(frame) };
+}
+
+function render({ model, el }) {
+  const end = new AbortController();
+  const root = h("div", { class: "npslam-explorer" }), asking = asker(model, root);
+  const unique = Math.random().toString(36).slice(2);
+  const rows = new Map(model.get("controls").filter((each) => each.kind !== "places").map((spec) => {
+    const make = spec.kind === "choice" ? choiceRow : sliderRow;
+    return [spec.name, make(spec, `${unique}-${spec.name}`, asking.ask)];
+  }));
+  const caption = h("figcaption", {}), figure = h("figure", {}, caption), error = h("pre", { role: "alert" });
+  const wait = h("p", { class: "patience" }, "The kernel has not answered yet: it is busy, or it has stopped.");
+  root.append(h("div", { class: "controls" }, ...[...rows.values()].map((each) => each.row)), wait, error, figure);
+  let image = null, scene = null;
+
+  function show() {
+    const shown = model.get("shown");
+    asking.answered(shown);
+    const wishes = asking.wishes();
+    for (const [name, row] of rows) if (!(name in wishes) && name in shown.values) row.show(shown.values[name]);
+    error.textContent = shown.error ?? "";
+    figure.hidden = Boolean(shown.error);
+    if (shown.error) return;
+    caption.textContent = shown.words;
+    if (shown.scene) {
+      scene ??= sceneOf(figure, model, asking.ask, rows);
+      scene.show(shown.scene, shown.values, wishes);
+      caption.setAttribute("aria-live", "polite");
+      return;
+    }
+    if (!image) {
+      // The words are the picture's alternative text; a screen reader need not read them twice.
+      image = h("img", { width: shown.size[0], height: shown.size[1] });
+      caption.setAttribute("aria-hidden", "true");
+      figure.setAttribute("aria-live", "polite");
+      figure.prepend(image);
+    }
+    image.alt = shown.words;
+    image.src = shown.src;
+  }
+
+  // JupyterLab hears of a key before a slider does: an arrow selects another cell, and two d delete this one.
+  // Its own shortcuts with Ctrl, Alt or Cmd are left to it.
+  const keepKeys = ({ target, ctrlKey, altKey, metaKey }) => {
+    if (root.contains(target)) target.toggleAttribute("data-lm-suppress-shortcuts", !(ctrlKey || altKey || metaKey));
+  };
+  window.addEventListener("keydown", keepKeys, { capture: true, signal: end.signal });
+  model.on("change:shown", show);
+  el.append(root);
+  show();
+  return () => {
+    end.abort();
+    model.off("change:shown", show);
+    rows.forEach((row) => row.stop());
+    scene?.stop();
+  };
+}
+
+/** A model without a kernel: its answers were computed before, one for every place of the grids of its sliders. */
+function frozen({ controls, frames }) {
+  const grids = controls.map((each) => each.grid ?? each.options.map((_, k) => k));
+  const first = frames.find((each) => each.first);
+  const values = { ...first.values }, listeners = [];
+  const parts = first.scene?.parts;
+  const answer = (frame, answers) => {
+    // Of a scene, a frame holds what differs from the first one.
+    const scene = frame.scene && { ...frame.scene, parts: { ...parts, ...frame.scene.parts } };
+    for (const name of frame.without ?? []) delete scene.parts[name];
+    return { ...frame, values: { ...first.values, ...values }, answers, ...(scene && { scene }) };
+  };
+  let shown = answer(first, null);
+  return {
+    get: (name) => (name === "shown" ? shown : controls),
+    on: (_, listener) => listeners.push(listener),
+    off() {},
+    send({ view, number, values: wished }) {
+      Object.assign(values, wished);
+      const place = controls.reduce((sum, each, k) => sum * grids[k].length + grids[k].indexOf(values[each.name]), 0);
+      shown = answer(frames[place], { view, number });
+      queueMicrotask(() => listeners.forEach((each) => each()));
+    },
+  };
+}
+
+export default { render };

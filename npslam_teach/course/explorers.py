@@ -1,131 +1,126 @@
-"""The interactive explorers: sliders, a picture that follows them, and a description in words below it.
+"""The interactive explorers: controls, a picture that follows them, and a description in words below it.
 
-This is the only module that imports ipywidgets. The explorers of a lesson are in its folder. Each makes a figure and
-its artists once, defines an ``update`` that moves the artists and returns a description of the picture, and passes both
-to ``Explorer``. The map that students draw on is a widget of its own, in ``draw_your_own_world``.
+The explorers of a lesson are in its folder. Each passes an ``update`` to ``Explorer``, which moves the artists of a
+figure and returns a description in words, or returns the words and a ``scene.Scene``. The map that students draw on is
+a widget of its own, in ``draw_your_own_world``.
+
+The kernel owns the state. The page sends what it wishes as a message with a number; the kernel answers every message,
+and tells of moves from code, through ``shown``. The page never writes to a trait, so no echo of it can come back.
 """
 
-import html
+import base64
+import os
 import traceback
 from collections.abc import Callable
 from pathlib import Path
 
 import anywidget
-import ipywidgets
+import traitlets
 from matplotlib.figure import Figure
 
+from npslam_teach.course import frames, scene
+from npslam_teach.course.controls import Control, choice, places, player, slider
 from npslam_teach.plotting.blitting import Redrawing
-from npslam_teach.plotting.export import picture_tag
+from npslam_teach.plotting.export import CSS_DPI
 
-__all__ = ["Explorer", "choice", "player", "slider"]
+__all__ = ["Explorer", "choice", "places", "player", "slider"]
 
-_LAYOUT = {"width": "28em"}
-_STYLE = {"description_width": "11em"}
-
-
-def slider(name: str, value: float, low: float, high: float, step: float) -> ipywidgets.Widget:
-    """A slider with a name that a screen reader finds; it has whole numbers if the step is a whole number.
-
-    Args:
-        name: what it sets, with the unit.
-        value: at the start.
-        low: its left end.
-        high: its right end.
-        step: of an arrow key.
-    """
-    kind = ipywidgets.IntSlider if isinstance(step, int) else ipywidgets.FloatSlider
-    number = {} if isinstance(step, int) else {"readout_format": ".2f"}
-    return kind(value, min=low, max=high, step=step, **_named(name), **number)
+_HERE = Path(__file__).parent
+_WITH_FRAMES = "NPSLAM_TEACH_FRAMES"  # set where outputs are committed or compared: frames take seconds
 
 
-def choice(name: str, options: dict) -> ipywidgets.Widget:
-    """A drop-down list: text to value; None is a value like any other.
+class Explorer(anywidget.AnyWidget):
+    """Controls above a picture; the picture and the words under it follow every change.
 
-    Args:
-        name: what it sets.
-        options: text to value; the first one is chosen at the start.
-    """
-    widget = ipywidgets.Dropdown(options=options, **_named(name))
-    if None in options.values():
-        # To ipywidgets None means that nothing is chosen: the list would be shown empty.
-        place = list(options.values()).index(None)
-
-        def choose_it(change) -> None:
-            if change.new is None:
-                widget.index = place
-
-        widget.observe(choose_it, names="index")
-    return widget
-
-
-def _named(name: str) -> dict:
-    """A label, and the same as a tooltip: without one ipywidgets would show "null"."""
-    return {"description": name, "tooltip": name, "layout": _LAYOUT, "style": _STYLE}
-
-
-def player(name: str, high: int, milliseconds: int = 1000) -> tuple[ipywidgets.Widget, ipywidgets.Widget]:
-    """A slider from 0 to ``high`` and a play button that moves it; ``Explorer`` takes the button among ``extras``."""
-    button = ipywidgets.Play(min=0, max=high, interval=milliseconds, description=f"play {name}")
-    position = slider(name, 0, 0, high, 1)
-    ipywidgets.jslink((button, "value"), (position, "value"))
-    return position, button
-
-
-class _PageScript(anywidget.AnyWidget):
-    """What the page does for an explorer: see ``explorer.js``."""
-
-    _esm = Path(__file__).parent / "explorer.js"
-
-
-class Explorer(ipywidgets.VBox):
-    """Sliders above a picture; the picture and the words under it follow every change.
-
-    The picture is an ``<img>`` with these words as its alternative text, for those who cannot see it. The words under
-    the picture are for those who can; a screen reader does not read them a second time. An error in ``update`` is shown
-    in place of the picture, because Jupyter hides the exceptions of callbacks, and is raised again, so that a test or a
-    cell that moves a slider fails.
+    The words are the alternative text of the picture. An error in ``update`` is shown in place of the picture, because
+    Jupyter hides the exceptions of callbacks, and is raised again, so that a test or a cell that moves a slider fails.
     """
 
-    def __init__(self, figure: Figure, update: Callable[..., str], extras=(), **sliders: ipywidgets.Widget):
-        """Show ``figure`` with ``update(**values)`` applied.
+    _esm = _HERE / "explorer.js"
+    _css = (_HERE / "explorer.css").read_text(encoding="utf-8") + scene.PAGE_CSS
+
+    controls = traitlets.List().tag(sync=True)
+    shown = traitlets.Dict().tag(sync=True)
+
+    def __init__(self, figure: Figure | None, update: Callable, without_kernel: dict | None = None, **sliders: Control):
+        """Show ``update(**values)``.
 
         Args:
-            figure: made by ``plotting.new_figure``; its artists belong to ``update``.
-            update: moves the artists to the values of the sliders and returns the words for the picture.
-            extras: further widgets to show beside the sliders, such as a play button.
-            sliders: from ``slider``, ``choice`` or ``player``, by the name of the argument of ``update``.
+            figure: made by ``plotting.new_figure``; its artists belong to ``update``. None for a scene.
+            update: moves the artists to the values and returns the words; without a figure, the words and the scene.
+            without_kernel: by the names of controls, the values for which frames are computed in advance; every
+                combination is one, the other controls stay where they stand.
+            sliders: from ``slider``, ``choice``, ``player`` or ``places``, by the name of the argument of ``update``.
         """
-        self.figure, self.sliders, self.words = figure, sliders, ""
-        self._update, self._drawing = update, Redrawing(figure)
-        self._picture = ipywidgets.HTML()
-        children = [*extras, *sliders.values(), self._picture, _PageScript(layout={"display": "none"})]
-        super().__init__(children, _dom_classes=("npslam-explorer",))
+        super().__init__()
+        self.figure, self.sliders, self.words, self.scene = figure, sliders, "", None
+        self.without_kernel = without_kernel or {}
+        self._update, self._drawing, self._number = update, figure and Redrawing(figure), 0
+        self.controls = [each.spec(name) for name, each in sliders.items()]
         for each in sliders.values():
-            each.observe(lambda change: self.refresh(), names="value")
+            each.changed = self.refresh
+        self.on_msg(self._handle_message)
         self.refresh()
 
-    def refresh(self) -> None:
-        """Apply the sliders' values, draw, and show."""
+    def refresh(self, answers: dict | None = None) -> None:
+        """Apply the values, draw, and show.
+
+        Args:
+            answers: the page's message that this is the answer to.
+        """
         try:
-            self.words = self._update(**self._values())
-            image = picture_tag(self._drawing.png(), self.words, self.figure.get_size_inches())
-            caption = f'<figcaption aria-hidden="true">{html.escape(self.words)}</figcaption>'
-            self._picture.value = f'<figure style="margin:0">{image}{caption}</figure>'
+            self.shown = self._message(answers) | self.picture()
         except Exception:
-            self._picture.value = f"<pre>{html.escape(traceback.format_exc())}</pre>"
+            self.shown = self._message(answers) | {"error": traceback.format_exc()}
             raise
 
-    def _values(self) -> dict:
-        """The values of the sliders, rounded: 0.2 where a page that adds up steps sends 0.19999999999999998."""
-        values = {name: each.value for name, each in self.sliders.items()}
-        return {name: round(value, 9) if isinstance(value, float) else value for name, value in values.items()}
+    def picture(self) -> dict:
+        """The words and the picture for the present values, as the page shows them."""
+        told = self._update(**self.values())
+        if self.figure is None:
+            self.words, self.scene = told
+            return {"words": self.words, "scene": self.scene.message()}
+        self.words = " ".join(told.split())
+        size = [round(length * CSS_DPI) for length in self.figure.get_size_inches()]
+        png = base64.b64encode(self._drawing.png()).decode("ascii")
+        return {"words": self.words, "src": f"data:image/png;base64,{png}", "size": size}
 
-    def __repr__(self) -> str:
-        """The text that is shown in place of the widget where no kernel runs, as on a code host."""
-        return f"Explorer: {self.words}"
+    def values(self) -> dict:
+        """The value of every control, by name."""
+        return {name: each.value for name, each in self.sliders.items()}
 
     def move(self, **values) -> str:
-        """Move sliders as a hand would, and return the words under the picture."""
+        """Move controls as a hand would, and return the words under the picture.
+
+        Raises:
+            KeyError: there is no such control.
+            ValueError: a control cannot be set to this.
+        """
         for name, value in values.items():
-            self.sliders[name].value = value
+            self.sliders[name].put(value)
+        self.refresh()
         return self.words
+
+    def _message(self, answers: dict | None) -> dict:
+        self._number += 1  # two equal pictures are two answers
+        values = {name: each.to_page() for name, each in self.sliders.items()}
+        return {"number": self._number, "values": values, "answers": answers}
+
+    def _handle_message(self, _, content: dict, buffers) -> None:
+        answers = {key: content.get(key) for key in ("view", "number")}
+        try:
+            for name, sent in content["values"].items():
+                self.sliders[name].put(self.sliders[name].from_page(sent))
+        finally:
+            self.refresh(answers)
+
+    def _repr_mimebundle_(self, **kwargs):
+        """The widget, and beside it what a page shows that has no kernel: frames, or one picture."""
+        data, metadata = super()._repr_mimebundle_(**kwargs)
+        data["text/plain"] = repr(self)
+        data["text/html"] = frames.html_of(self, with_frames=bool(os.environ.get(_WITH_FRAMES)))
+        return data, metadata
+
+    def __repr__(self) -> str:
+        """The text that is shown where neither pictures nor widgets are."""
+        return f"Explorer: {self.words}"

@@ -4,8 +4,8 @@ It is made by
 
     python -m npslam_teach.experiments.confused_classes npslam_teach/course/soft_association/runs.csv
 
-in about ten minutes on one core. A row is one run on ``fifteen_objects`` at the paper's noise, seen by a detector that
-is wrong in a *share* of its reports, every wrong class alike. A *case* says what was run:
+in about fifteen minutes on one core. A row is one run on ``fifteen_objects`` at the paper's noise, seen by a detector
+that is wrong in a *share* of its reports, every wrong class alike. A *case* says what was run:
 
 ==================  ====================================================================================================
 ``np-graph``        the paper's method: a report is certain, and an object has one class
@@ -13,6 +13,7 @@ is wrong in a *share* of its reports, every wrong class alike. A *case* says wha
 ``ekf``             the filter with ``class_probabilities``, from the detector's own confusion matrix
 ``soft-em``         all matchings of a frame, each as probable as it is
 ``max-mixture``     the best matching of each frame alone
+``posterior``       the posterior over partitions, which uses ``class_probabilities`` as well
 ``overconfident``   ``soft-em`` with the probabilities of a detector that claims to be wrong in two reports of a hundred
 ``true identities`` the pose graph alone, told who is who
 ==================  ====================================================================================================
@@ -35,7 +36,7 @@ from npslam_teach.types import GroundTruth, RobotLog, Snapshot
 SEEDS = range(30)  # the first thirty rooms, whatever they are like
 SHARES = (0.0, 0.1, 0.3, 0.5)
 CLAIMED = 0.02  # by the detector that is too sure of itself
-CASES = ("np-graph", "ekf hard", "ekf", "soft-em", "max-mixture", "overconfident", "true identities")
+CASES = ("np-graph", "ekf hard", "ekf", "soft-em", "max-mixture", "posterior", "overconfident", "true identities")
 COLUMNS = ("case", "share", "seed", "objects", "ari", "ari_used", "pose_error")
 KINDS = {"case": str, "seed": int, "objects": int}
 

@@ -14,6 +14,7 @@ import numpy as np
 from npslam_teach.association import first_observations
 from npslam_teach.association.gibbs import GibbsSampler
 from npslam_teach.association.partition_posterior import TrackletEvidence
+from npslam_teach.association.semantics import combined, floored, log_likelihoods
 from npslam_teach.association.split_merge import merge_objects, split_or_merge
 from npslam_teach.methods.gating import frames_of
 from npslam_teach.pose_graph import levenberg_marquardt, observation_factors
@@ -38,7 +39,8 @@ class Model(NamedTuple):
         """The linear model, with the prior."""
         counts = np.bincount(self.tracklet[self.tracklet >= 0], minlength=len(self.rivals))
         parts = reduced.constant, reduced.vector, reduced.information
-        return TrackletEvidence(*parts, counts, self.rivals, self.alpha, self.area)
+        seen = None if self.log.class_probabilities is None else floored(reports_of(self.log, self.tracklet))
+        return TrackletEvidence(*parts, counts, self.rivals, self.alpha, self.area, seen)
 
     def of_observations(self, labels: np.ndarray) -> np.ndarray:
         """The object of each observation (M,), -1 = none, from that of each tracklet (N,)."""
@@ -101,12 +103,22 @@ def solved(model: Model, graph: PoseGraph, labels: np.ndarray, steps: int = 2) -
     return replace(graph, poses=last.graph.poses, landmarks=last.graph.landmarks[labels]), last.chi2
 
 
-def rivals_of(log: RobotLog, tracklet: np.ndarray) -> np.ndarray:
-    """Pairs of tracklets that cannot be one object, (N, N) bool: of two classes, or seen in one frame."""
+def reports_of(log: RobotLog, tracklet: np.ndarray) -> np.ndarray:
+    """What the observations of each tracklet say of its class together: logarithms (N, C), -inf where none may be.
+
+    Args:
+        log: what was measured.
+        tracklet: (M,) of each observation, -1 = of none.
+    """
     used = np.flatnonzero(tracklet >= 0)
-    of_class = np.zeros(tracklet.max(initial=-1) + 1, dtype=int)
-    of_class[tracklet[used]] = log.obs_class[used]
-    rivals = of_class[:, None] != of_class
+    seen = log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities)
+    return combined(seen[used], tracklet[used], tracklet.max(initial=-1) + 1)
+
+
+def rivals_of(log: RobotLog, tracklet: np.ndarray) -> np.ndarray:
+    """Pairs of tracklets that cannot be one object, (N, N) bool: no class allows both, or seen in one frame."""
+    allowed = np.isfinite(reports_of(log, tracklet)).astype(float)
+    rivals = allowed @ allowed.T == 0
     for observations in frames_of(log):
         frame = tracklet[observations][tracklet[observations] >= 0]
         rivals[np.ix_(frame, frame)] = True

@@ -22,7 +22,7 @@ from npslam_teach.methods.annealing import COLD, TEMPERATURES, Model, State, ann
 from npslam_teach.methods.noise import with_noise
 from npslam_teach.methods.partition_score import with_whole_tracklets, without_displaced
 from npslam_teach.methods.polish import MARGIN, polished
-from npslam_teach.methods.repair import confirmed, cut_in_two, pieces, reassigned
+from npslam_teach.methods.repair import classes_of, confirmed, cut_in_two, pieces, reassigned
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
 from npslam_teach.methods.tracklets import tied_both_ways
 from npslam_teach.pose_graph import fit, mean_landmarks, observation_factors, with_associations
@@ -198,14 +198,15 @@ def tied_anew(model: Model, graph: PoseGraph, tracklet: np.ndarray) -> tuple[Mod
 
 
 def _objects(model: Model, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """Where the objects are, (K, 2) m, W, and of which class, (K,)."""
+    """Where the objects are, (K, 2) m, W, and what they may be, (K, C)."""
     first = first_observations(state.labels)
-    return state.graph.landmarks[first], model.log.obs_class[first_observations(model.tracklet)[first]]
+    return state.graph.landmarks[first], classes_of(model.log, model.of_observations(state.labels))
 
 
 def in_time(log: RobotLog) -> tuple[RobotLog, np.ndarray]:
     """The log with its observations in the order of the poses, in a frame by place; (M,) the way back."""
     order = np.lexsort((log.obs_xy[:, 1], log.obs_xy[:, 0], log.obs_time))
     fields = {name: getattr(log, name)[order] for name in ("obs_time", "obs_xy", "obs_class")}
-    cov = None if log.observation_cov is None else log.observation_cov[order]
-    return replace(log, **fields, observation_cov=cov), np.argsort(order)
+    optional = {name: getattr(log, name) for name in ("observation_cov", "class_probabilities")}
+    fields |= {name: values[order] for name, values in optional.items() if values is not None}
+    return replace(log, **fields), np.argsort(order)

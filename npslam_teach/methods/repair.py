@@ -4,6 +4,7 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.association import first_observations, in_order_of_sight, one_to_one
+from npslam_teach.association.semantics import class_distances, combined, floored, log_likelihoods, normalised
 from npslam_teach.methods.gating import GATE, frames_of, squared_residuals
 from npslam_teach.pose_graph import squared_radius
 from npslam_teach.types import PoseGraph, RobotLog
@@ -11,25 +12,38 @@ from npslam_teach.types import PoseGraph, RobotLog
 REPAIR_GATE = 0.9999  # the share of right matches that is let through: of ten thousand one is asked again
 
 
-def reassigned(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, object_class: np.ndarray) -> np.ndarray:
+def reassigned(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, classes: np.ndarray) -> np.ndarray:
     """The object that suits each observation best, frame by frame and one to one, trajectory and map held still.
 
     Args:
         log: what was measured.
         poses: (T, 3) W.
         landmarks: (K, 2) m, W, of the objects.
-        object_class: (K,).
+        classes: (K, C) what they may be, logarithms of probabilities.
 
     Returns:
         (M,) index of the object; -1 = beyond the gate of all that are free.
     """
     labels, gate = np.full(log.num_observations, -1), squared_radius(REPAIR_GATE)
     squared = squared_residuals(log, np.arange(log.num_observations)[:, None], poses, landmarks)
-    squared[log.obs_class[:, None] != object_class] = np.inf
+    seen = log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities)
+    squared = squared + class_distances(seen, classes)
     for observations in frames_of(log):
         if len(observations):
             labels[observations] = one_to_one(squared[observations], gate)
-    return np.where(labels < len(object_class), labels, -1)
+    return np.where(labels < len(classes), labels, -1)
+
+
+def classes_of(log: RobotLog, labels: np.ndarray) -> np.ndarray:
+    """What the objects may be, by all that is reported of them: logarithms of probabilities (K, C).
+
+    Args:
+        log: what was measured.
+        labels: (M,) index of the object, -1 = of none.
+    """
+    used = np.flatnonzero(labels >= 0)
+    seen = floored(log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities))
+    return normalised(combined(seen[used], labels[used], labels.max(initial=-1) + 1))
 
 
 def cut_in_two(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, tracklet: np.ndarray) -> np.ndarray:
@@ -123,12 +137,13 @@ def confirmed(log: RobotLog, graph: PoseGraph, labels: np.ndarray, tracklet: np.
     kept = np.flatnonzero(tied >= 2)
     found = np.where(np.isin(labels, kept), labels, -1)
     places = se2.apply(graph.poses[log.obs_time], log.obs_xy)
+    seen = log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities)
     for k in np.flatnonzero(found < 0):
-        alike = np.isin(kept, found[(log.obs_class == log.obs_class[k]) & (found >= 0)])
-        free = kept[alike & ~np.isin(kept, found[log.obs_time == log.obs_time[k]])]
+        free = kept[~np.isin(kept, found[log.obs_time == log.obs_time[k]])]
         if len(free):
             means = np.array([places[found == i].mean(axis=0) for i in free])
-            squared = squared_residuals(log, k, graph.poses, means)
+            off = class_distances(seen[[k]], classes_of(log, found)[free])[0]
+            squared = squared_residuals(log, k, graph.poses, means) + off
             found[k] = free[squared.argmin()] if squared.min() < squared_radius(REPAIR_GATE) else -1
     return without_gaps(found)
 

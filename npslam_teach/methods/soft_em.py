@@ -21,7 +21,7 @@ import numpy as np
 
 from npslam_teach.association import one_to_one, without_empty_objects
 from npslam_teach.association.matchings import matching_probabilities
-from npslam_teach.association.semantics import class_distances, log_likelihoods
+from npslam_teach.association.semantics import class_distances, combined, floored, log_likelihoods, normalised
 from npslam_teach.methods.ekf_slam import run_filter
 from npslam_teach.methods.gating import GATE, NEW_GATE, frames_of, squared_gates, squared_mahalanobis, squared_residuals
 from npslam_teach.methods.noise import observation_covariances, with_noise
@@ -140,12 +140,9 @@ def class_belief(log: RobotLog, pairs: Pairs, num_objects: int) -> np.ndarray:
         pairs: which observations are of which objects.
         num_objects: K.
     """
-    seen = log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities)
-    floor = np.log(1e-12)  # a certain report must not rule out a class by a pair of probability 0.001
-    total = np.zeros((num_objects, log.num_classes))
-    np.add.at(total, pairs.object, pairs.weight[:, None] * np.maximum(seen[pairs.observation], floor))
-    total -= total.max(axis=1, keepdims=True)
-    return total - np.log(np.exp(total).sum(axis=1, keepdims=True))
+    # A certain report must not rule out a class by a pair of probability 0.001.
+    seen = floored(log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities))
+    return normalised(combined(seen[pairs.observation], pairs.object, num_objects, pairs.weight))
 
 
 def weighted(log: RobotLog, graph: PoseGraph, pairs: Pairs) -> PoseGraph:

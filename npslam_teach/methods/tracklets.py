@@ -13,6 +13,7 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.association import in_order_of_sight
+from npslam_teach.association.semantics import class_distances, log_likelihoods, normalised, updated_belief
 from npslam_teach.methods.gating import (
     GATE,
     NEW,
@@ -46,22 +47,22 @@ def tracklets(
     """
     gates, step_cov = squared_gates(gate, new_gate), step_covariances(log)
     sight_cov = observation_covariances(log)
+    reports = log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities)
     labels, count = np.full(log.num_observations, UNASSIGNED), 0
-    nearby = _Surroundings.empty()
+    nearby = _Surroundings.empty(log.num_classes)
     for time, observations in enumerate(frames_of(log)):
         if time > 0:
             nearby = nearby.after_step(log.odometry[time - 1], step_cov[time - 1]).seen_since(time - longest_gap)
         if len(observations) == 0:
             continue
-        xy, seen_class = log.obs_xy[observations], log.obs_class[observations]
-        noise = sight_cov[observations]
-        decision = assign(nearby.squared_distances(xy, seen_class, noise), *gates)
+        xy, seen, noise = log.obs_xy[observations], reports[observations], sight_cov[observations]
+        decision = assign(nearby.squared_distances(xy, noise) + class_distances(seen, nearby.classes), *gates)
         matched, is_new = decision >= 0, decision == NEW
         labels[observations[matched]] = nearby.tracklet[decision[matched]]
         labels[observations[is_new]] = count + np.arange(np.count_nonzero(is_new))
         count += np.count_nonzero(is_new)
-        nearby = nearby.updated(decision[matched], xy[matched], noise[matched], time)
-        nearby = nearby.joined_by(labels[observations[is_new]], xy[is_new], seen_class[is_new], noise[is_new], time)
+        nearby = nearby.updated(decision[matched], xy[matched], seen[matched], noise[matched], time)
+        nearby = nearby.joined_by(labels[observations[is_new]], xy[is_new], seen[is_new], noise[is_new], time)
     return labels
 
 
@@ -107,15 +108,15 @@ class _Surroundings:
     """What is in view: where each tracklet's object stands in the frame of the robot, and how sure that is."""
 
     tracklet: np.ndarray  # (K,)
-    object_class: np.ndarray  # (K,)
+    classes: np.ndarray  # (K, C) what each may be, logarithms of probabilities
     last_seen: np.ndarray  # (K,) pose
     xy: np.ndarray  # (K, 2) m
     cov: np.ndarray  # (2K, 2K) m^2
 
     @classmethod
-    def empty(cls):
+    def empty(cls, num_classes: int):
         nothing = np.zeros(0, dtype=int)
-        return cls(nothing, nothing, nothing, np.zeros((0, 2)), np.zeros((0, 0)))
+        return cls(nothing, np.zeros((0, num_classes)), nothing, np.zeros((0, 2)), np.zeros((0, 0)))
 
     def after_step(self, step: np.ndarray, step_cov: np.ndarray) -> "_Surroundings":
         """The same objects from the next pose; the error of the step is common to them all."""
@@ -139,18 +140,17 @@ class _Surroundings:
         if len(kept) == len(self.tracklet):
             return self
         both = (2 * kept[:, None] + [0, 1]).ravel()
-        fields = self.tracklet[kept], self.object_class[kept], self.last_seen[kept]
+        fields = self.tracklet[kept], self.classes[kept], self.last_seen[kept]
         return _Surroundings(*fields, self.xy[kept], self.cov[np.ix_(both, both)])
 
-    def squared_distances(self, xy: np.ndarray, seen_class: np.ndarray, noise: np.ndarray) -> np.ndarray:
-        """Squared Mahalanobis distance of observations (m, 2) to the objects, (m, K); infinite for another class."""
+    def squared_distances(self, xy: np.ndarray, noise: np.ndarray) -> np.ndarray:
+        """Squared Mahalanobis distance of observations (m, 2), noise (m, 2, 2), to the objects, (m, K)."""
         count = len(self.xy)
         own = self.cov.reshape(count, 2, count, 2)[np.arange(count), :, np.arange(count)]
-        distance = squared_mahalanobis(xy[:, None] - self.xy, own + noise[:, None])
-        return np.where(seen_class[:, None] == self.object_class, distance, np.inf)
+        return squared_mahalanobis(xy[:, None] - self.xy, own + noise[:, None])
 
-    def updated(self, which: np.ndarray, xy: np.ndarray, noise: np.ndarray, time: int) -> "_Surroundings":
-        """After observations (m, 2) of some of the objects (m,): a Kalman update whose measurement is linear."""
+    def updated(self, which: np.ndarray, xy: np.ndarray, seen: np.ndarray, noise: np.ndarray, time: int):
+        """After observations (m, 2), reports (m, C), of some of the objects (m,): a Kalman update, all of it linear."""
         if len(which) == 0:
             return self
         both = (2 * which[:, None] + [0, 1]).ravel()
@@ -158,9 +158,11 @@ class _Surroundings:
         state = self.xy.ravel() + gain @ (xy - self.xy[which]).ravel()
         cov, last_seen = self.cov - gain @ self.cov[both], self.last_seen.copy()
         last_seen[which] = time
-        return replace(self, last_seen=last_seen, xy=state.reshape(-1, 2), cov=(cov + cov.T) / 2)
+        classes = self.classes.copy()
+        classes[which] = updated_belief(classes[which], seen)
+        return replace(self, classes=classes, last_seen=last_seen, xy=state.reshape(-1, 2), cov=(cov + cov.T) / 2)
 
-    def joined_by(self, tracklet, xy, object_class, noise: np.ndarray, time: int) -> "_Surroundings":
+    def joined_by(self, tracklet, xy, seen, noise: np.ndarray, time: int) -> "_Surroundings":
         """With new objects, which stand where they are seen."""
         if len(tracklet) == 0:
             return self
@@ -168,5 +170,5 @@ class _Surroundings:
         cov = np.zeros((old + new, old + new))
         cov[:old, :old], cov[old:, old:] = self.cov, block_diagonal(noise)
         last_seen = np.append(self.last_seen, np.full(len(tracklet), time))
-        ids, classes = np.append(self.tracklet, tracklet), np.append(self.object_class, object_class)
+        ids, classes = np.append(self.tracklet, tracklet), np.concatenate([self.classes, normalised(seen)])
         return _Surroundings(ids, classes, last_seen, np.concatenate([self.xy, xy]), cov)

@@ -4,8 +4,8 @@ An exercise of a lesson is a cell tagged ``exercise-N`` that ends in dots, and a
 solutions notebook has the same cells, filled in. Both versions are made from these two files, so nothing is written
 twice:
 
-- the source has the solution where the dots were, between marks, and after each check a locked cell with hidden
-  tests, which fails with the check's own message;
+- the source has the solution where the dots were, between marks, and after each check a locked cell with a hidden
+  test, which fails with the check's own message; ``nbgrader validate`` runs it in the student's copy, too;
 - the student's copy is the source without solutions and hidden tests, as nbgrader itself would release it.
 
 Making them needs no nbgrader. The folder that holds them is laid out as nbgrader expects a course to be.
@@ -22,10 +22,13 @@ from npslam_teach.system.files import atomic_write
 # Whatever the cells of a submission have done to the library or to its checks, this reads it from its files again. A
 # function, so that no variable of the lesson changes its meaning; the lesson goes on with the modules that it had.
 FRESH_CHECK = """\
-def _graded(answer):
+def _graded(answer, always=False):
     import importlib
+    import os
     import sys
 
+    if not always and "NBGRADER_VALIDATING" not in os.environ:
+        return  # a lesson runs on when an exercise is left out
     own = {{name: sys.modules.pop(name) for name in [*sys.modules] if name.split(".")[0] == "npslam_teach"}}
     try:
         checks = importlib.import_module("{module}")
@@ -37,7 +40,10 @@ def _graded(answer):
         sys.modules.update(own)
 
 
-_graded({answer})"""
+_graded({answer})
+### BEGIN HIDDEN TESTS
+_graded({answer}, always=True)
+### END HIDDEN TESTS"""
 
 IGNORED = (("work",), ("COURSE",))
 
@@ -72,8 +78,6 @@ def write_assignments(notebooks: Path, numbers: list[str], out: Path, only_stude
     import nbformat
 
     _require_a_place(notebooks.resolve().parent, out)
-    if not numbers:
-        raise ValueError(f"LESSON: expected one of {', '.join(lessons_with_exercises(notebooks))}, got none")
     files = {}
     for number in numbers:
         path, source = assignment_source(notebooks, number)
@@ -193,9 +197,7 @@ def _graded_cell(check: str, lesson: str, exercise: int, points: int):
         raise ValueError(f"expected a check of one answer, checks.check_...(...), got {check.splitlines()[-1]!r}")
     lines = [
         f"# Exercise {exercise} is graded here, by the check above: {points} point{'s' * (points > 1)}.",
-        HIDDEN_TESTS[0],
         *FRESH_CHECK.format(module=f"npslam_teach.course.{subject}.checks", check=call[1], answer=call[2]).splitlines(),
-        HIDDEN_TESTS[1],
     ]
     grading = _metadata(f"lesson-{number}-grade-{exercise}", grade=True, locked=True, points=points)
     return new_code_cell("\n".join(lines), id=f"grade-{exercise}", metadata={"nbgrader": grading})

@@ -8,8 +8,8 @@ from npslam_teach.publishing.book_markdown import Chapter
 TITLE = "SLAM with objects when nobody tells you which object you see"
 _INTRODUCTION = f"""\
 <p>The lessons of npslam_teach {__version__}, as they are executed. Pictures and formulas are part of this file, so it
-reads and prints without a network. Where a notebook has sliders, the book shows in words and in a picture what they
-do; results lie folded below their questions, and the exercises are there to be solved in the notebooks.</p>
+reads and prints without a network. Sliders lead through pictures that were computed before; results lie folded below
+their questions, and the exercises are there to be solved in the notebooks.</p>
 <p>The method is that of Mu, Liu, Paull, Leonard and How, <cite>SLAM with Objects using a Nonparametric Pose
 Graph</cite>, IROS 2016.</p>"""
 # Code has lines of up to 100 characters, which fit both the screen's column and the paper's.

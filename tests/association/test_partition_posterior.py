@@ -18,7 +18,7 @@ from npslam_teach.association.split_merge import displaced, merge_objects, split
 
 
 def evidence_of(rng, count=6, largest=9) -> TrackletEvidence:
-    """Tracklets that lie near a few places, tied to each other by a random joint information."""
+    """Tracklets near a few places, tied by a random joint information; some logs confuse classes, others do not."""
     root = rng.normal(size=(2 * count, 2 * count))
     information = root @ root.T / 4 + np.eye(2 * count)
     places = rng.normal(0, 2, (3, 2))[rng.integers(0, 3, count)] + rng.normal(0, 0.3, (count, 2))
@@ -26,9 +26,9 @@ def evidence_of(rng, count=6, largest=9) -> TrackletEvidence:
     xy = places.ravel()
     constant = float(xy @ information @ xy)
     counts = rng.integers(1, largest, count)
-    return TrackletEvidence(
-        constant, information @ xy, information, counts, rivals | rivals.T, rng.uniform(0.5, 2), rng.uniform(5, 50)
-    )
+    alpha, area = rng.uniform(0.5, 2), rng.uniform(5, 50)
+    classes = np.log(3 * rng.dirichlet(np.ones(3), count)) if rng.random() < 0.5 else None
+    return TrackletEvidence(constant, information @ xy, information, counts, rivals | rivals.T, alpha, area, classes)
 
 
 def every_partition(count: int) -> list[np.ndarray]:
@@ -64,7 +64,7 @@ def test_the_joint_system_is_a_product_with_the_assignment(seed):
 def test_two_tracklets_are_one_as_the_density_of_their_difference_says(seed):
     """By hand: N(l_1 - l_2; 0, C) and the prior ``alpha / area`` for another object, the first's count for the same."""
     rng = np.random.default_rng(seed)
-    evidence = evidence_of(rng, 2)._replace(rivals=np.zeros((2, 2), bool))
+    evidence = evidence_of(rng, 2)._replace(rivals=np.zeros((2, 2), bool), classes=None)
     cov = np.linalg.inv(evidence.information)
     mean = (cov @ evidence.vector).reshape(2, 2)
     spread = cov[:2, :2] + cov[2:, 2:] - cov[:2, 2:] - cov[2:, :2]
@@ -76,14 +76,27 @@ def test_two_tracklets_are_one_as_the_density_of_their_difference_says(seed):
 
 
 def test_of_single_observations_the_prior_is_the_chinese_restaurant():
-    evidence = evidence_of(np.random.default_rng(0))._replace(alpha=0.7, area=3.0)
     for count in range(1, 8):
-        assert log_prior([1] * count, evidence) == pytest.approx(math.log(0.7 / 3.0) + math.lgamma(count))
+        evidence = evidence_of(np.random.default_rng(0), count, 2)._replace(alpha=0.7, area=3.0, classes=None)
+        assert log_prior(list(range(count)), evidence) == pytest.approx(math.log(0.7 / 3.0) + math.lgamma(count))
 
 
 def test_the_prior_of_a_whole_does_not_depend_on_how_single_observations_come():
-    evidence = evidence_of(np.random.default_rng(0))
-    assert log_prior([5, 1, 1], evidence) == pytest.approx(log_prior([5], evidence) + math.log(5) + math.log(6))
+    evidence = evidence_of(np.random.default_rng(0), 3)._replace(counts=np.array([5, 1, 1]), classes=None)
+    assert log_prior([0, 1, 2], evidence) == pytest.approx(log_prior([0], evidence) + math.log(5) + math.log(6))
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_reports_of_classes_weigh_as_a_sum_over_what_every_object_may_be(seed):
+    """In the simplest words: each object is of one class, drawn evenly; each report has its likelihood given that."""
+    rng = np.random.default_rng(seed)
+    likelihood, labels = rng.dirichlet(np.ones(4), 5), rng.integers(0, 3, 5)
+    labels = np.unique(labels, return_inverse=True)[1]
+    evidence = evidence_of(rng, 5)._replace(rivals=np.zeros((5, 5), bool), classes=np.log(4 * likelihood))
+    by_class = [likelihood[labels == i].prod(axis=0).sum() / 4 for i in range(labels.max() + 1)]
+    by_nothing = math.log(np.prod(likelihood.mean(axis=1)))  # each alone, of any class alike
+    difference = log_posterior(evidence, labels) - log_posterior(evidence._replace(classes=None), labels)
+    assert difference == pytest.approx(math.log(np.prod(by_class)) - by_nothing, abs=1e-9)
 
 
 def test_rivals_are_never_one_object():
@@ -169,6 +182,7 @@ def test_names_and_order_of_tracklets_of_one_size_do_not_matter(seed):
         vector=evidence.vector[both],
         information=evidence.information[np.ix_(both, both)],
         rivals=evidence.rivals[np.ix_(order, order)],
+        classes=None if evidence.classes is None else evidence.classes[order],
     )
     for labels in every_partition(6)[::17]:
         assert log_posterior(other, labels[order]) == pytest.approx(log_posterior(evidence, labels), abs=1e-9)

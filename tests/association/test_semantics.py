@@ -50,6 +50,14 @@ def test_certain_reports_are_the_rule_of_equal_classes():
     np.testing.assert_array_equal(np.isinf(distance), obs_class[:, None] != object_class)
 
 
+def test_a_report_of_nothing_and_a_single_report_are_no_evidence():
+    seen = semantics.log_likelihoods([0] * 6, 4, random_rows(np.random.default_rng(3), 6, 4))
+    for each in (*seen, np.zeros(4)):
+        assert semantics.class_evidence(each) == pytest.approx(0.0, abs=1e-12)
+    both = semantics.log_likelihoods([0, 1], 4, None).sum(axis=0)
+    assert semantics.class_evidence(both) == -np.inf, "certain reports of two classes are of no object"
+
+
 def test_distances_are_bayes_factors_against_nothing():
     """Over all true classes: p(report | object) / p(report | nothing), in the simplest words."""
     rng = np.random.default_rng(4)

@@ -3,19 +3,26 @@
 import contextlib
 import functools
 import io
-import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
 
-import ipywidgets
 import nbformat
-from lab_server import ROOT, timeout_error
+from lab_server import ROOT, open_notebook, run_all_cells, timeout_error, write_notebook
 from slices import needed_statements
 
+from npslam_teach.course.controls import Choice, Control, Places
 from npslam_teach.course.explorers import Explorer
 
 MEASURE = (Path(__file__).parent / "latency.js").read_text(encoding="utf-8")
+# Of a scene: every part with its attributes and its text, in order.
+PICTURE = """root => {
+    const [image, words] = [root.querySelector("figure img"), root.querySelector("figcaption").textContent];
+    const named = (each) => Object.fromEntries([...each.attributes].map(({ name, value }) => [name, value]));
+    const part = (each) => [each.tagName, named(each), each.textContent];
+    const parts = [...root.querySelectorAll("figure svg > *")].map(part);
+    return { source: image?.src ?? parts, alt: image?.alt ?? words, words };
+}"""
 EXPLORE = re.compile(r"\bexplore_\w+\(")
 EXPLORER = ".npslam-explorer"
 ANSWER_SECONDS = 120
@@ -27,55 +34,84 @@ def lessons_with_explorers() -> list[str]:
     return [path.name for path in paths if EXPLORE.search(path.read_text(encoding="utf-8"))]
 
 
-@functools.cache
-def explorers_of(lesson: str) -> list[Explorer]:
-    """The explorers of a lesson, in the order of their cells, made in this process of the cells that they depend on.
-
-    They are made once in a process, and stand where the last test has left them.
-    """
+def sources_of(lesson: str) -> list[str]:
+    """Code cells that make and show the explorers of a lesson: of its own cells, what they depend on."""
     cells = nbformat.read(ROOT / "notebooks" / lesson, as_version=4).cells
     # The cell that gets the course where it is missing awaits, as only a notebook can.
     installing = [cell for cell in cells if "install" in cell.metadata.get("tags", [])]
     sources = [cell.source for cell in cells if cell.cell_type == "code" and cell not in installing]
     with_explorers = {k for k, source in enumerate(sources) if EXPLORE.search(source)}
+    return [source for source in needed_statements(sources, with_explorers) if source]
+
+
+def explorers_of(lesson: str) -> list[Explorer]:
+    """The explorers of a lesson, in the order of their cells, made in this process of the cells that they depend on.
+
+    They are made once in a process; whatever the last test has moved is put back.
+    """
+    for explorer, values in _made(lesson):
+        explorer.move(**values)
+    return [explorer for explorer, _ in _made(lesson)]
+
+
+@functools.cache
+def _made(lesson: str) -> list[tuple[Explorer, dict]]:
+    """Explorers and the values that they begin with."""
     namespace = {"__name__": lesson}
     with contextlib.redirect_stdout(io.StringIO()):
-        for k, source in enumerate(needed_statements(sources, with_explorers)):
+        for k, source in enumerate(sources_of(lesson)):
             exec(compile(source, f"{lesson}, code cell {k}", "exec"), namespace)
-    return [each for each in namespace.values() if isinstance(each, Explorer)]
+    return [(each, each.values()) for each in namespace.values() if isinstance(each, Explorer)]
 
 
-def values_of(widget: ipywidgets.Widget) -> list:
-    """All that a slider or a list can be set to, in order."""
-    if isinstance(widget, ipywidgets.Dropdown):
-        return list(dict(widget.options).values())
-    steps = round((widget.max - widget.min) / widget.step)
-    return [round(widget.min + k * widget.step, 9) for k in range(steps + 1)]
+def open_explorers(page, lab, name: str, lessons: list[str]) -> dict[str, list["Shown"]]:
+    """The explorers of some lessons in one notebook that has run on a kernel of its own; by lesson, with their twins.
+
+    Args:
+        page: an empty one.
+        lab: ``lab_server.Lab``.
+        name: of the notebook that is written.
+        lessons: the names of their notebooks.
+    """
+    write_notebook(lab.folder / "notebooks" / name, *(source for each in lessons for source in sources_of(each)))
+    open_notebook(page, lab, name)
+    run_all_cells(page)
+    twins = [(each, twin) for each in lessons for twin in explorers_of(each)]
+    assert page.locator(EXPLORER).count() == len(twins)
+    shown = {each: [] for each in lessons}
+    for number, (each, twin) in enumerate(twins):
+        shown[each].append(Shown(page, number, twin))
+    return shown
 
 
 @dataclass
-class Control:
+class ShownControl:
     """A slider or a list of an explorer in the page."""
 
     name: str  # of the argument of the explorer's update
-    twin: ipywidgets.Widget  # the same control of the explorer in this process
+    twin: Control  # the same control of the explorer in this process
+    start: object  # its value when the page was opened, which may lie beside the grid
     locator: object  # what has the focus when it is used
-    readout: object  # the number beside a slider
+    readout: object  # the field with the number of a slider
 
     @property
     def is_list(self) -> bool:
-        return isinstance(self.twin, ipywidgets.Dropdown)
+        return isinstance(self.twin, Choice)
 
     def values(self) -> list:
-        """All that it can be set to, in order."""
-        return values_of(self.twin)
+        """All that the arrow keys lead to, in order."""
+        return self.twin.grid()
 
     def index(self) -> int:
         """Which of them the page shows."""
+        return int(self.locator.evaluate("each => each.selectedIndex ?? each.value"))
+
+    def value(self):
+        """What the page shows: of a slider the number in its field, which has four digits."""
         if self.is_list:
-            return self.locator.evaluate("each => each.selectedIndex")
-        shown = float(self.readout.text_content().replace("\N{MINUS SIGN}", "-"))
-        return min(range(len(self.values())), key=lambda k: abs(self.values()[k] - shown))
+            return self.values()[self.index()]
+        number = float(self.readout.input_value())
+        return min([*self.values(), self.start], key=lambda each: abs(each - number))
 
     def key(self, forward: bool) -> str:
         return {True: ("ArrowRight", "ArrowDown"), False: ("ArrowLeft", "ArrowUp")}[forward][self.is_list]
@@ -88,26 +124,22 @@ class Shown:
         self.page, self.number, self.twin, self._answers = page, number, twin, {}
         self.root = root = page.locator(EXPLORER).nth(number)
         root.scroll_into_view_if_needed()
-        rows = root.locator(".widget-inline-hbox", has=page.locator("label"))
         self.controls = []
-        for name, widget in twin.sliders.items():
-            row = rows.filter(has=page.locator(f"label:text-is({json.dumps(widget.description)})"))
-            focus = "select" if isinstance(widget, ipywidgets.Dropdown) else "[role=slider]"
-            self.controls.append(Control(name, widget, row.locator(focus), row.locator(".widget-readout")))
+        for name, control in twin.sliders.items():
+            if not isinstance(control, Places):
+                here = root.locator(f"[data-control={name}]")
+                self.controls.append(
+                    ShownControl(name, control, control.value, here, here.locator("xpath=../input[@type='text']"))
+                )
         root.evaluate(MEASURE)
 
     def values(self) -> dict:
         """What the page's controls are set to."""
-        return {control.name: control.values()[control.index()] for control in self.controls}
+        return {control.name: control.value() for control in self.controls}
 
     def picture(self) -> dict:
         """The picture, its alternative text and the words under it."""
-        return self.root.evaluate(
-            """root => {
-                const image = root.querySelector("figure img");
-                return {source: image.src, alt: image.alt, words: root.querySelector("figcaption").textContent};
-            }"""
-        )
+        return self.root.evaluate(PICTURE)
 
     def expected(self) -> dict:
         """The library's answer for what the page's controls are set to, which it is asked for once."""
@@ -115,7 +147,10 @@ class Shown:
         place = tuple(values.values())
         if place not in self._answers:
             words = self.twin.move(**values)
-            source = re.search('src="([^"]*)"', self.twin._picture.value).group(1)
+            parts = self.twin.shown.get("scene", {}).get("parts", {}).values()
+            source = self.twin.shown.get("src") or [
+                [tag, attributes, *(text or [""])] for tag, attributes, *text in parts
+            ]
             self._answers[place] = {"source": source, "alt": words, "words": words}
         return self._answers[place]
 
@@ -170,7 +205,7 @@ class Shown:
         for _ in range(100):
             nodes = session.send("Accessibility.queryAXTree", {"objectId": element})["nodes"]
             names = [(node["role"]["value"], node["name"]["value"]) for node in nodes if not node["ignored"]]
-            if any(role == "image" for role, _ in names):
+            if any(role in ("image", "group") for role, _ in names):
                 break
             self.page.evaluate("() => new Promise(requestAnimationFrame)")
         return names

@@ -1,7 +1,7 @@
 // Measures, inside the page, how long it takes from a key press to changed pixels of an explorer: of its picture or, where
 // another value gives the same picture, of the words under it.
 (root) => {
-  const content = (image) => image.src + image.alt;
+  const content = (image) => (image ? image.src + image.alt : root.querySelector("figure").innerHTML);
   const latencies = [];
   let pressed = null;
   let shown = content(root.querySelector("figure img"));
@@ -16,10 +16,10 @@
 
   async function compare() {
     const image = root.querySelector("figure img");
-    if (!image || content(image) === shown) return;
+    if (content(image) === shown) return;
     shown = content(image);
     const begun = pressed;
-    await image.decode();
+    await image?.decode();
     if (begun !== null) afterTheNextFrame(() => latencies.push(performance.now() - begun));
   }
 

@@ -22,7 +22,7 @@
     const right = notebook.querySelector(".jp-WindowedPanel-viewport").getBoundingClientRect().right;
     for (const image of notebook.querySelectorAll(".jp-Cell img")) {
       const box = image.getBoundingClientRect();
-      const place = image.closest(".jp-RenderedHTMLCommon, .widget-html-content").getBoundingClientRect();
+      const place = image.closest(".jp-RenderedHTMLCommon, .npslam-explorer").getBoundingClientRect();
       const shape = image.naturalWidth / image.naturalHeight;
       if (!image.complete || image.naturalWidth === 0) complain("not loaded", image);
       // A badge is a link, and small on purpose.
@@ -34,7 +34,7 @@
     for (const text of notebook.querySelectorAll(".jp-RenderedMarkdown, .jp-OutputArea-output, .npslam-explorer label")) {
       if (text.scrollWidth > text.clientWidth + 8) complain("cut off", text);
     }
-    for (const control of notebook.querySelectorAll(".npslam-explorer .widget-inline-hbox:not(.widget-html)")) {
+    for (const control of notebook.querySelectorAll(".npslam-explorer .row")) {
       if (control.getBoundingClientRect().right > right) complain("cut off", control);
     }
     return found;

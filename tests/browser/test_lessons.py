@@ -1,46 +1,49 @@
-"""Every lesson in a real JupyterLab and a real browser, as a student meets it.
+"""Lessons in a real JupyterLab and a real browser, as a student meets them: each as it is committed, some run.
 
-A lesson is opened and run once, and all tests of it look at that page. Screenshots of what cannot be read, or of all
-where ``NPSLAM_TEACH_SCREENSHOTS`` is set, are left in ``build/screenshots``, and the times from key press to changed
-pixels in ``build/latency.md``; times are reported here and asserted nowhere, because they are those of a machine that
-runs other tests too (``python tests/browser/latency.py`` measures alone).
+That every lesson runs from top to bottom, and prints what is committed, is compared by nbval; that its explorers follow
+the hand is seen in ``test_lesson_explorers`` and ``test_frames``. Screenshots of what cannot be read, or of all where
+``NPSLAM_TEACH_SCREENSHOTS`` is set, are left in ``build/screenshots``.
 """
 
 import os
+import shutil
 
 import nbformat
 import pytest
-from axe import violations
 from explorers import EXPLORER, Shown, explorers_of, lessons_with_explorers
 from lab_server import ROOT, new_context, open_notebook, run_all_cells, saved
-from latency import Row, table
-from window import Window
+from window import LAPTOP, NARROW, PROJECTOR, Window
 
-from npslam_teach.system.files import atomic_write
-
-# Those with explorers first, so that a lesson has the same number in both lists of parameters: pytest goes by it when
-# it puts the tests of a lesson together, and would otherwise open and run most lessons twice.
-WITH_EXPLORERS = lessons_with_explorers()
-LESSONS = [
-    *WITH_EXPLORERS,
-    *sorted({path.name for path in (ROOT / "notebooks").glob("[0-9]*.ipynb")} - set(WITH_EXPLORERS)),
-]
-BUILD = ROOT / "build"
-NARROW, LAPTOP, PROJECTOR = 800, 1400, 1920
-MOST_PRESSES = 6  # of a key, in each direction
+LESSONS = sorted(path.name for path in (ROOT / "notebooks").glob("[0-9]*.ipynb"))
+# The first that a student runs; a scene that code moves; two explorers and much text. The drawing page runs in
+# ``test_draw_world``.
+MOVED = "04_dirichlet_process.ipynb"
+RUN = ("00_start_here.ipynb", MOVED, "06_alternation.ipynb")
+SHOTS = ROOT / "build" / "screenshots"
 
 
 @pytest.fixture(scope="module")
 def window(chromium):
     """What all lessons are opened in, so that JupyterLab itself is fetched and compiled once."""
-    context = new_context(chromium, viewport={"width": LAPTOP, "height": 1000})
+    context = new_context(chromium, viewport={"width": LAPTOP, "height": 1000}, reduced_motion="reduce")
     yield context
     context.close()
 
 
 @pytest.fixture(scope="module")
+def committed(request, window, lab):
+    """(name, page): a lesson that was opened and not run; what is shown is what is committed."""
+    name = f"committed_{request.param}"
+    shutil.copy(ROOT / "notebooks" / request.param, lab.folder / "notebooks" / name)
+    page = window.new_page()
+    open_notebook(page, lab, name)
+    yield name, page
+    page.close()
+
+
+@pytest.fixture(scope="module")
 def lesson(request, window, lab):
-    """(name, page): a lesson that has run, in a page of its own."""
+    """(name, page): a lesson that was opened without its outputs and has run."""
     page = window.new_page()
     open_notebook(page, lab, request.param)
     run_all_cells(page)
@@ -48,30 +51,47 @@ def lesson(request, window, lab):
     page.close()
 
 
-@pytest.fixture(scope="module")
-def explorers(lesson):
-    """The explorers in the page of a lesson, each with its twin."""
-    name, page = lesson
-    twins = explorers_of(name)
-    assert page.locator(EXPLORER).count() == len(twins) > 0
-    return [Shown(page, number, twin) for number, twin in enumerate(twins)]
+every_lesson = pytest.mark.parametrize("committed", LESSONS, indirect=True, scope="module")
+some_lessons = pytest.mark.parametrize("lesson", RUN, indirect=True, scope="module")
 
 
-@pytest.fixture(scope="module")
-def latencies():
-    """Rows of the table of latencies, written when all lessons are done."""
-    rows = []
-    yield rows
-    BUILD.mkdir(exist_ok=True)
-    with atomic_write(BUILD / "latency.md") as stream:
-        stream.write(table(rows))
+def complaints(page, name: str, width: int) -> list[str]:
+    """What cannot be read at this width, with a screenshot of it."""
+    with Window(page, width) as window:
+        found = window.complaints()
+        if found or "NPSLAM_TEACH_SCREENSHOTS" in os.environ:
+            window.screenshot(SHOTS / f"{name.split('.')[0]}_{width}.png")
+    return found
 
 
-every_lesson = pytest.mark.parametrize("lesson", LESSONS, indirect=True, scope="module")
-every_lesson_with_explorers = pytest.mark.parametrize("lesson", WITH_EXPLORERS, indirect=True, scope="module")
+def alternative_texts(page) -> list[str]:
+    return page.locator(".jp-Notebook .jp-Cell img").evaluate_all("images => images.map(each => each.alt)")
 
 
 @every_lesson
+@pytest.mark.parametrize("width", [LAPTOP, NARROW, PROJECTOR])
+def test_nothing_is_cut_off_when_a_lesson_is_opened(committed, width):
+    name, page = committed
+    assert complaints(page, name, width) == []
+
+
+@every_lesson
+def test_every_picture_has_an_alternative_text(committed):
+    name, page = committed
+    alts = alternative_texts(page)
+    assert len(alts) >= 2
+    assert min(len(alt) for alt in alts) > 20
+
+
+@every_lesson
+def test_a_lesson_that_is_opened_and_saved_keeps_its_cells_and_outputs(committed, lab):
+    name, page = committed
+    before = nbformat.read(ROOT / "notebooks" / name.removeprefix("committed_"), as_version=4)
+    assert before.metadata.keys() == {"kernelspec", "language_info"}
+    assert saved(page, lab, name).cells == before.cells
+
+
+@some_lessons
 def test_it_runs_from_top_to_bottom_without_an_error(lesson, lab):
     name, page = lesson
     cells = [cell for cell in saved(page, lab, name).cells if cell.cell_type == "code"]
@@ -82,90 +102,25 @@ def test_it_runs_from_top_to_bottom_without_an_error(lesson, lab):
     assert not page.locator(".jp-Notebook [data-mime-type='application/vnd.jupyter.stderr']").count()
 
 
-@every_lesson
-def test_the_committed_notebook_is_not_touched(lesson, lab):
-    name, _ = lesson
-    committed = nbformat.read(ROOT / "notebooks" / name, as_version=4)
-    run = nbformat.read(lab.folder / "notebooks" / name, as_version=4)
-    assert [cell.source for cell in committed.cells] == [cell.source for cell in run.cells]
-    assert committed.metadata.keys() == {"kernelspec", "language_info"}
-
-
-@every_lesson
-@pytest.mark.parametrize("width", [LAPTOP, NARROW, PROJECTOR])
-def test_nothing_is_cut_off(lesson, width):
+@some_lessons
+def test_what_has_run_can_be_read(lesson):
     name, page = lesson
-    with Window(page, width) as window:
-        complaints = window.complaints()
-        if complaints or "NPSLAM_TEACH_SCREENSHOTS" in os.environ:
-            window.screenshot(BUILD / "screenshots" / f"{name.split('.')[0]}_{width}.png")
-        assert complaints == []
+    assert complaints(page, name, NARROW) == []
+    assert min(len(alt) for alt in alternative_texts(page)) > 20
+    expected = len(explorers_of(name)) if name in lessons_with_explorers() else 0
+    assert page.locator(EXPLORER).count() == expected
 
 
-@every_lesson
-def test_every_picture_has_an_alternative_text(lesson):
-    _, page = lesson
-    alts = page.locator(".jp-Notebook .jp-Cell img").evaluate_all("images => images.map(each => each.alt)")
-    assert len(alts) >= 2
-    assert min(len(alt) for alt in alts) > 20
-
-
-@every_lesson_with_explorers
-def test_explorers_follow_the_keys_and_tell_what_the_library_tells(lesson, explorers, latencies):
-    name, _ = lesson
-    for explorer in explorers:
-        for control in explorer.controls:
-            shown = explorer.walk(control, MOST_PRESSES)
-            assert len({each["words"] for each in shown}) >= 2
-            assert len({each["source"] for each in shown}) >= 2
-            latencies.append(Row(name, control.twin.description, tuple(explorer.latencies())))
-
-
-@every_lesson_with_explorers
-def test_play_buttons_play_and_pause(explorers):
-    for explorer in explorers:
-        for button in explorer.root.get_by_role("button", name="play").all():
-            position = next(control for control in explorer.controls if not control.is_list)
-            if position.index() == len(position.values()) - 1:  # from the end it would play from the beginning
-                position.locator.press("Home")
-                explorer.wait_for_answer()
-            before = position.index()
-            button.press("Enter")
-            explorer.wait("root.querySelector('.widget-readout').textContent != known", str(before), "nothing plays")
-            explorer.root.get_by_role("button", name="pause").press("Enter")
-            explorer.root.get_by_role("button", name="play").wait_for()
-            explorer.wait_for_answer()
-            assert position.index() > before
-            assert explorer.picture() == explorer.expected()
-
-
-@every_lesson_with_explorers
-def test_a_screen_reader_finds_the_name_of_every_control(explorers):
-    """In the accessibility tree of the browser, not in our attributes."""
-    for explorer in explorers:
-        names = explorer.names_in_the_accessibility_tree()
-        for control in explorer.controls:
-            assert ("combobox" if control.is_list else "slider", control.twin.description) in names
-        assert ("image", explorer.picture()["words"]) in names
-        assert not [role for role, name in names if role in ("slider", "combobox", "button", "textbox") and not name]
-
-
-@every_lesson_with_explorers
-def test_controls_are_reached_one_after_the_other_by_tab(lesson, explorers):
-    _, page = lesson
-    for explorer in explorers:
-        handles = [control.locator.element_handle() for control in explorer.controls]
-        handles[0].focus()
-        for handle in handles[1:]:
-            for _ in range(2):  # from a slider to its number, from the number to the next control
-                page.keyboard.press("Tab")
-                if handle.evaluate("each => each === document.activeElement"):
-                    break
-            assert handle.evaluate("each => each === document.activeElement")
-
-
-@every_lesson_with_explorers
-def test_axe_finds_nothing_serious_in_a_running_explorer(lesson, explorers):
-    _, page = lesson
-    explorers[0].root.scroll_into_view_if_needed()
-    assert violations(page, EXPLORER) == []
+@pytest.mark.parametrize("lesson", [MOVED], indirect=True, scope="module")
+def test_run_all_shows_what_the_lesson_sets(lesson, lab):
+    """The last of the lesson's own moves is what slider, field, words and bars show."""
+    name, page = lesson
+    cells = saved(page, lab, name).cells
+    printed = next(cell for cell in cells if "explorer.move(" in cell.source).outputs[0].text.splitlines()[-1]
+    shown = Shown(page, 0, explorers_of(name)[0])
+    page.wait_for_timeout(1500)  # an echo that comes late would come now
+    assert shown.picture()["words"] == printed
+    fields = {each.name: each.readout.input_value() for each in shown.controls if not each.is_list}
+    assert fields == {"alpha": "0.50", "threshold": "0.00", "kernel_std": "0.25"}
+    assert shown.picture() == shown.expected()
+    assert shown.root.locator("svg, img").count() == 1, "one picture, not a second one below"

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 LAYOUT = (Path(__file__).parent / "layout.js").read_text(encoding="utf-8")
+NARROW, LAPTOP, PROJECTOR = 800, 1400, 1920  # px
 HIGHEST = 16_000  # px: what Chromium can take a picture of
 
 

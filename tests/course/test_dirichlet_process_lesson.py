@@ -269,25 +269,62 @@ def toy_answer(asks, alpha, kernel_std):
 def test_the_explorer_agrees_with_the_library(explorer, asks, alpha, threshold, kernel_std):
     words = explorer.move(asks=asks, alpha=alpha, threshold=threshold, kernel_std=kernel_std)
     weights, probabilities = toy_answer(asks, alpha, kernel_std)
-    left, right = explorer.figure.axes
-    assert np.allclose(np.delete(heights(left), asks), np.delete(np.append(weights, alpha), asks))
-    assert np.allclose(np.delete(heights(right), asks), np.delete(probabilities, asks))
-    for ax in (left, right):
-        assert ax.texts[asks].get_text() == "itself"
-        assert max(heights(ax)) < ax.get_ylim()[1]
+    for row, (kind, values) in enumerate({"weight": np.append(weights, alpha), "probability": probabilities}.items()):
+        panel = dirichlet_process_explorer.BARS[row]
+        top = (dirichlet_process_explorer.HIGHEST_WEIGHT, 1.12)[row]
+        shown = [bar_height(explorer.scene, f"{kind} {k}") * top / panel[3] for k in range(9)]
+        assert np.allclose(np.delete(shown, asks), np.delete(values, asks), atol=1e-4)
+        assert explorer.scene.parts[f"{kind} number {asks}"][2] == "itself" and shown[asks] == 0
+        assert max(shown) < top
     chosen = decide(probabilities, threshold or None)
     assert words.endswith("a new object." if chosen == 8 else f"the same as Obj_{chosen + 1}.")
     assert words.startswith(f"Obj_{asks + 1} weighs") and f"new {probabilities[-1]:.2f}" in words
     for k in np.flatnonzero(weights > 0.01):
         assert f"Obj_{k + 1} {weights[k]:.2f}" in words and f"Obj_{k + 1} {probabilities[k]:.2f}" in words
-    (level,) = right.lines
-    assert level.get_visible() == (threshold > 0) and level.get_ydata()[0] == threshold
+    assert ("threshold" in explorer.scene.parts) == (threshold > 0)
+    if threshold > 0:
+        left, top, width, height = dirichlet_process_explorer.BARS[1]
+        level = top + height * (1 - threshold / 1.12)
+        wanted = [[left, level], [left + width, level]]
+        assert np.allclose(points_of(explorer.scene, "threshold"), wanted, atol=0.006)
 
 
-def test_the_explorers_picture_is_readable_at_its_ends(explorer):
-    for settings in ({"alpha": 0.05, "kernel_std": 0.05}, {"alpha": 1.5, "kernel_std": 1.0, "threshold": 0.95}):
-        explorer.move(**settings)
-        assert_readable(explorer.figure)
+def bar_height(scene, name):
+    return float(scene.parts[name][1]["height"])
+
+
+def points_of(scene, name):
+    return np.array([each.split(",") for each in scene.parts[name][1]["points"].split()], dtype=float)
+
+
+def test_a_sighting_that_is_dragged_is_judged_where_it_lies(explorer):
+    xy = explorer.sliders["xy"].value.copy()
+    explorer.move(asks=4, alpha=0.5, threshold=0.0, kernel_std=0.35)
+    try:
+        moved = xy.copy()
+        moved[4] = xy[6] + (0.0, 0.1)  # onto the cup, which is no chair
+        words = explorer.move(xy=moved)
+        distance = np.linalg.norm(moved - moved[4], axis=1)
+        log, _ = simulate.toy_objects()
+        votes = (log.obs_class == log.obs_class[4]) & (np.arange(8) != 4)
+        weights = association_weights(votes, distance, 0.35)
+        assert all(f"Obj_{k + 1} {weights[k]:.2f}" in words for k in (0, 1, 3)) and "Obj_7" not in words
+        room = explorer.controls[-1]
+        assert room["kind"] == "places"
+        handle = explorer.scene.parts["handle 4"][1]
+        a, x0, b, y0 = room["scale"]
+        assert np.allclose([float(handle["cx"]), float(handle["cy"])], moved[4] * (a, b) + (x0, y0), atol=0.006)
+    finally:
+        explorer.move(xy=xy)
+
+
+def test_what_may_be_the_same_has_the_kernel_around_it(explorer):
+    explorer.move(asks=2, kernel_std=0.6)
+    halos = {name for name in explorer.scene.parts if name.startswith("halo")}
+    assert halos == {f"halo {k} {times}" for k in (5, 7) for times in (1, 2)}  # the other screens
+    scale = explorer.controls[-1]["scale"][0]
+    assert np.isclose(float(explorer.scene.parts["halo 5 1"][1]["r"]), 0.6 * scale, atol=0.006)
+    explorer.move(asks=4, kernel_std=0.35)
 
 
 # --- the claims of the lesson ----------------------------------------------------------------------------------------

@@ -1,5 +1,7 @@
 """Lesson 03: its pictures, its explorer, its checks and its figure files."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from graphs import random_graph
@@ -10,9 +12,10 @@ from readable import assert_readable
 from npslam_teach import plotting, pose_graph, se2, simulate
 from npslam_teach.course.pose_graph import checks, figures, pictures
 from npslam_teach.course.pose_graph import explorer as pose_graph_explorer
+from npslam_teach.course.pose_graph import springs as springs_explorer
 from npslam_teach.evaluation import true_association_fit
 from npslam_teach.plotting import factor_graph, uncertainty
-from npslam_teach.pose_graph import chi2, levenberg_marquardt, linearize
+from npslam_teach.pose_graph import chi2, gauss_newton, levenberg_marquardt, linearize
 
 TOY_CLASSES = simulate.TOY_CLASSES
 
@@ -362,10 +365,58 @@ def test_an_error_in_the_explorer_is_raised(toy, monkeypatch):
     monkeypatch.setattr(pose_graph_explorer, "words", lambda run, iteration: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         explorer.refresh()
-    assert "ZeroDivisionError" in explorer._picture.value
+    assert "ZeroDivisionError" in explorer.shown["error"]
 
 
 def test_words_name_the_largest_move(toy):
     run = list(levenberg_marquardt(figures.toy_before_and_after()[0]))
     moved = np.linalg.norm(run[1].graph.poses[:, :2] - run[0].graph.poses[:, :2], axis=1).max()
     assert f"no pose moved more than {moved:.2f} m" in pose_graph_explorer.words(run, 1)
+
+
+# The springs that are pulled
+
+
+@pytest.fixture(scope="module")
+def springs():
+    return springs_explorer.explore_springs()
+
+
+def test_the_words_say_what_the_solver_says_of_springs_that_are_pulled(springs):
+    _, rest = figures.toy_before_and_after()
+    xy = np.concatenate([rest.poses[1:, :2], rest.landmarks])
+    xy[2] += (0.5, 0.6)
+    poses = rest.poses.copy()
+    poses[1:, :2] = xy[:5]
+    run = list(gauss_newton(replace(rest, poses=poses, landmarks=xy[5:])))
+    for k in range(3):
+        assert f"chi2 is {run[min(k, len(run) - 1)].chi2:.1f}." in springs.move(xy=xy, iteration=k)
+        assert springs.scene.parts["chi2 title"][2] == f"chi2: {run[min(k, len(run) - 1)].chi2:.1f}"
+
+
+def test_springs_at_rest_and_let_go_lie_at_the_same_place(springs):
+    _, rest = figures.toy_before_and_after()
+    xy = np.concatenate([rest.poses[1:, :2], rest.landmarks])
+    springs.move(xy=xy, iteration=0)
+    at_rest = {name: part[1] for name, part in springs.scene.parts.items() if name.startswith("handle")}
+    assert len(at_rest) == 9 and {part["data-places"] for part in at_rest.values()} == {"xy"}
+    pulled = xy + np.eye(9, 1) * (0.3, -0.2)
+    springs.move(xy=pulled, iteration=0)
+    assert springs.scene.parts["handle 0"][1]["cx"] != at_rest["handle 0"]["cx"]
+    springs.move(iteration=6)
+    for name, part in at_rest.items():
+        for key in ("cx", "cy"):
+            assert abs(float(springs.scene.parts[name][1][key]) - float(part[key])) < 0.1  # px
+
+
+def test_red_bars_are_the_residuals(springs):
+    _, rest = figures.toy_before_and_after()
+    xy = np.concatenate([rest.poses[1:, :2], rest.landmarks])
+    xy[5] += (0.4, 0.3)  # an object is pulled away by 0.5 m: whoever sees it misses by that, and nobody else
+    springs.move(xy=xy, iteration=0)
+    scale = springs_explorer.ROOM.scale
+    for k, landmark in enumerate(rest.observations.landmark):
+        points = springs.scene.parts[f"miss {k}"][1]["points"].split()
+        ends = np.array([point.split(",") for point in points], dtype=float)
+        length = np.linalg.norm((ends[1] - ends[0]) / (scale[0], scale[2]))
+        assert abs(length - 0.5 * (landmark == 0)) < 0.02

@@ -182,9 +182,9 @@ def test_the_explorer_shows_what_the_solver_says(explorer, sighting, to):
 
 def test_the_drop_downs_move_the_picture():
     explorer = why_association_explorer.explore_wrong_association()
-    before = explorer._picture.value
+    before = explorer.shown["src"]
     assert "Obj_5 belongs to chair B" in explorer.words
     assert "Obj_5 of chair B is given to chair A" in explorer.move(to=0)
-    assert explorer._picture.value != before
+    assert explorer.shown["src"] != before
     explorer.move(to=1)
-    assert explorer._picture.value == before
+    assert explorer.shown["src"] == before

@@ -10,6 +10,7 @@ from npslam_teach.association import all_partitions, in_order_of_sight, same_par
 from npslam_teach.association.partition_posterior import log_posterior
 from npslam_teach.evaluation.clustering import compare_partitions, singletons_for_unassigned
 from npslam_teach.evaluation.convergence import effective_sample_size, r_hat
+from npslam_teach.experiments import confused_classes
 from npslam_teach.methods import posterior, sample_posterior
 from npslam_teach.methods.annealing import State
 from npslam_teach.methods.polish import polished
@@ -87,6 +88,21 @@ def test_the_order_of_lines_and_the_names_of_classes_do_not_matter():
     order, name = rng.permutation(log.num_observations), rng.permutation(log.num_classes)
     other = replace(log, obs_time=log.obs_time[order], obs_xy=log.obs_xy[order], obs_class=name[log.obs_class[order]])
     assert same_partition(last_of(log).labels[order], last_of(other).labels)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [0.1, 0.3])
+def test_a_chair_that_is_called_cup_is_no_new_object(share):
+    """By what the reports say of each class; taken for certain, the same reports make objects of another class."""
+    log, truth = confused_classes.room(0, share)
+    last = last_of(log)
+    metrics = evaluation.evaluate(last, truth, log)
+    assert metrics.num_objects == 15 and metrics.ari >= 0.99
+    certain = last_of(replace(log, class_probabilities=None))
+    assert evaluation.evaluate(certain, truth, log).num_objects > 20
+    order = np.random.default_rng(0).permutation(log.num_observations)
+    fields = {name: getattr(log, name)[order] for name in ("obs_time", "obs_xy", "obs_class", "class_probabilities")}
+    assert same_partition(last.labels[order], last_of(replace(log, **fields)).labels)
 
 
 @pytest.mark.slow

@@ -11,7 +11,6 @@ from npslam_teach.course.a_real_robot.explorer import explore_believed_noise, re
 from npslam_teach.course.alternation import false_positives_explorer
 from npslam_teach.course.alternation.explorer import explore_alternation
 from npslam_teach.course.class_votes.explorer import explore_triangle
-from npslam_teach.course.dirichlet_process.explorer import explore_association
 from npslam_teach.course.drift.explorer import explore_noise
 from npslam_teach.course.fifteen_objects.explorer import explore_method
 from npslam_teach.course.filtering import explorer as filtering_explorer
@@ -65,10 +64,6 @@ EXPLORERS = {
     "wrong_association": (explore_wrong_association, [{"to": 5}, {"sighting": 0}, {"to": 0}]),
     "drift": (explore_noise, [{"noise": 3.0}, {"noise": 0.0}, {"noise": 1.0}]),
     "solver": (explore_bad_starts, [{"iteration": 3}, {"start": "thrown about"}, {"iteration": 0}]),
-    "association": (
-        explore_association,
-        [{"alpha": 0.9}, {"threshold": 0.4}, {"asks": 0}, {"threshold": 0.0}, {"kernel_std": 1.0}],
-    ),
     "triangle": (
         explore_triangle,
         [{"first": 0}, {"second": 0}, {"prior": 0.5}, {"third": 9}, {"prior": 1.0}, {"second": 4}],

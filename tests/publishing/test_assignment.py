@@ -105,9 +105,9 @@ def test_copies_lie_anywhere(source):
 def test_graded_cells_hide_no_name_of_the_lesson(source):
     """A cell that only nbgrader sees must not change what the lesson's own cells mean."""
     for cell in graded(source, "grade").values():
-        (function, call) = ast.parse(cell.source).body
+        (function, *calls) = ast.parse(cell.source).body
         assert isinstance(function, ast.FunctionDef) and function.name == "_graded"
-        assert isinstance(call, ast.Expr)
+        assert len(calls) == 2 and all(isinstance(call, ast.Expr) for call in calls)
     assert not any(
         isinstance(node, ast.Name) and node.id == "_graded"
         for cell in code(source)
@@ -280,6 +280,12 @@ def test_a_lesson_without_exercises_is_refused(number, tmp_path, capsys):
     assert not (tmp_path / "new").exists()
 
 
+def test_no_lesson_and_no_course_is_refused(tmp_path, capsys):
+    assert run("--out", tmp_path / "new") == 2
+    assert "LESSON: expected numbers of lessons, such as 04, or --course, got neither" in capsys.readouterr().err
+    assert not (tmp_path / "new").exists()
+
+
 def test_making_assignments_needs_no_nbgrader(tmp_path):
     code = (
         "import sys; sys.modules['nbgrader'] = None\n"
@@ -367,6 +373,17 @@ def errors(notebook):
         for output in cell.outputs
         if output.output_type == "error"
     }
+
+
+def test_validating_a_blank_release_does_not_say_success(course):
+    folder, lesson, name = course
+    done = subprocess.run(
+        [sys.executable, "-m", "nbgrader", "validate", f"release/{lesson}/{name}"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+    )
+    assert "Success" not in done.stdout and f"Not yet: {checking.BLANK}" in done.stdout
 
 
 def test_the_students_copy_is_what_nbgrader_releases(course):

@@ -38,8 +38,8 @@ def explore_alternation(log: RobotLog, truth: GroundTruth, rounds: int = 10) -> 
         falls.set_data([half_step], [objectives[half_step]])
         return words(snapshots, half_step)
 
-    position, button = player("half-step", len(snapshots) - 1)
-    return Explorer(figure, update, extras=[button], half_step=position)
+    position = player("half-step", len(snapshots) - 1)
+    return Explorer(figure, update, {"half_step": position.grid()}, half_step=position)
 
 
 def words(snapshots: list[Snapshot], half_step: int) -> str:

@@ -39,7 +39,8 @@ def explore_false_positives(log: RobotLog, truth: GroundTruth, alpha: float = 0.
         off = np.linalg.norm(after.graph.poses[:, :2] - truth.poses[:, :2], axis=1).max()
         return words(epsilon, [name for name, gone in zip(names, rejected, strict=True) if gone], after, off)
 
-    return Explorer(figure, update, epsilon=slider("epsilon", 0.5, 0.0, 0.6, 0.01))
+    epsilon = slider("epsilon", 0.5, 0.0, 0.6, 0.01)
+    return Explorer(figure, update, {"epsilon": (0, 0.2, 0.26, 0.34, 0.49, 0.5, 0.6)}, epsilon=epsilon)
 
 
 def words(epsilon: float, gone: list[str], after: Snapshot, off: float) -> str:

@@ -42,7 +42,8 @@ def explore_triangle(class_names=TOY_CLASSES, votes=(7, 3, 0), prior: float = 1.
         name: slider(f"votes: {class_name}", int(cast), 0, 20, 1)
         for name, class_name, cast in zip(("first", "second", "third"), class_names, votes, strict=True)
     }
-    return Explorer(figure, update, **sliders, prior=slider("prior for each class", prior, 0.2, 2.0, 0.1))
+    frames = {"first": (0, 3, 7, 15), "second": (0, 3, 7)}
+    return Explorer(figure, update, frames, **sliders, prior=slider("prior for each class", prior, 0.2, 2.0, 0.1))
 
 
 def summaries_of(votes: np.ndarray, concentration: np.ndarray) -> dict:

@@ -1,15 +1,23 @@
-"""The explorer of lesson 04: alpha, the threshold and the kernel width of the association."""
+"""The explorer of lesson 04: drag the observations, and turn alpha, the threshold and the kernel width."""
 
 import numpy as np
 
-from npslam_teach import plotting, se2
+from npslam_teach import se2
 from npslam_teach.association import PAPER_KERNEL_STD, association_weights, decide, reweight
-from npslam_teach.course.dirichlet_process import pictures
-from npslam_teach.course.explorers import Explorer, choice, slider
+from npslam_teach.course.explorers import Explorer, choice, places, slider
+from npslam_teach.course.scene import Panel, Scene
+from npslam_teach.plotting.style import class_style
 from npslam_teach.simulate import TOY_CLASSES, toy_objects
 from npslam_teach.types import RobotLog
 
 HIGHEST_WEIGHT = 1.7  # of the axis: a lone observation weighs at most 1, alpha goes up to 1.5
+HIGHEST_PROBABILITY = 1.12  # room for the numbers above the bars
+SIZE = (980.0, 450.0)  # px
+LEFT, BARS = 60.0, ((590.0, 36.0, 380.0, 145.0), (590.0, 260.0, 380.0, 145.0))
+MARGIN = 0.7  # m around the observations
+WIDTH_OF_BAR = 0.72
+FRAMES = {"alpha": [0.05, 0.5, 0.9, 1.0, 1.5], "kernel_std": [0.05, 0.15, 0.25, 0.5, 0.7, 1.0]}  # without a kernel
+NAME = (1.0, 0.3)  # m, width and height of a name on the map
 
 
 def explore_association(log: RobotLog | None = None, class_names=TOY_CLASSES, asks: int = 4) -> Explorer:
@@ -21,46 +29,93 @@ def explore_association(log: RobotLog | None = None, class_names=TOY_CLASSES, as
         asks: index of the observation that asks at the start.
     """
     log = toy_objects()[0] if log is None else log
-    xy = se2.apply(se2.dead_reckoning(log.odometry)[log.obs_time], log.obs_xy)
-    figure, left, right, level = _bars(log, class_names)
+    path = se2.dead_reckoning(log.odometry)
+    seen = se2.apply(path[log.obs_time], log.obs_xy).round(9)
+    room = _map_of(np.concatenate([path[:, :2], seen]))
 
-    def update(asks: int, alpha: float, threshold: float, kernel_std: float) -> str:
-        votes = (log.obs_class == log.obs_class[asks]).astype(float)
-        votes[asks] = 0.0  # judged by the others
-        weights = association_weights(votes, np.linalg.norm(xy - xy[asks], axis=1), kernel_std)
+    def update(asks: int, alpha: float, threshold: float, kernel_std: float, xy: np.ndarray) -> tuple[str, Scene]:
+        votes = (log.obs_class == log.obs_class[asks]) & (np.arange(len(xy)) != asks)  # judged by the others
+        weights = association_weights(votes.astype(float), np.linalg.norm(xy - xy[asks], axis=1), kernel_std)
         probabilities = reweight(weights, alpha)
-        for ax, values in ((left, np.append(weights, alpha)), (right, probabilities)):
-            pictures.set_bars(ax, np.where(np.arange(len(values)) == asks, np.nan, values))
-        level.set_ydata([threshold, threshold])
-        level.set_visible(threshold > 0)
-        return _words(asks, weights, probabilities, alpha, threshold or None)
+        scene = Scene(SIZE)
+        _draw_map(scene, room, path, xy, log.obs_class, class_names, asks, kernel_std)
+        _draw_answers(scene, asks, np.append(weights, alpha), probabilities, threshold, log.obs_class)
+        return _words(asks, weights, probabilities, alpha, threshold or None), scene
 
-    observations = choice("which sighting", {f"Obj_{k + 1}": k for k in range(log.num_observations)})
-    observations.value = asks
-    return Explorer(
-        figure,
-        update,
-        asks=observations,
-        alpha=slider("alpha", 0.5, 0.05, 1.5, 0.05),
-        threshold=slider("threshold (0: none)", 0.0, 0.0, 0.95, 0.05),
-        kernel_std=slider("kernel width s (m)", PAPER_KERNEL_STD, 0.05, 1.0, 0.05),
+    observations = choice("which sighting asks", {f"Obj_{k + 1}": k for k in range(log.num_observations)})
+    observations.put(asks)
+    sliders = {
+        "alpha": slider("alpha", 0.5, 0.05, 1.5, 0.05),
+        "threshold": slider("threshold (0: none)", 0.0, 0.0, 0.95, 0.05),
+        "kernel_std": slider("kernel width s (m)", PAPER_KERNEL_STD, 0.05, 1.0, 0.05),
+    }
+    return Explorer(None, update, FRAMES, asks=observations, **sliders, xy=places("sightings", seen, room))
+
+
+def _map_of(xy: np.ndarray) -> Panel:
+    """A map as wide as there is room for, with one scale for both axes."""
+    low, high = xy.min(axis=0) - MARGIN, xy.max(axis=0) + MARGIN
+    width, height = 465.0, SIZE[1] - 90.0
+    scale = min(width / (high[0] - low[0]), height / (high[1] - low[1]))
+    box = (LEFT, 36.0, scale * (high[0] - low[0]), scale * (high[1] - low[1]))
+    return Panel(box, (low[0], high[0]), (low[1], high[1]))
+
+
+def _draw_map(scene: Scene, room: Panel, path, xy, obs_class, class_names, asks: int, kernel_std: float) -> None:
+    """The observations with their names; those that the asking one may be have the kernel around them."""
+    ticks = [np.arange(np.ceil(low), high, 1.0) + 0.0 for low, high in (room.x, room.y)]
+    room.axes(
+        scene, "map", f"Obj_{asks + 1} asks: who is near enough to be the same?", ("x (m)", "y (m)"), tuple(ticks)
     )
+    room.line(scene, "path", path[:, :2], "estimate")
+    alike = [k for k in np.flatnonzero(obs_class == obs_class[asks]) if k != asks]
+    for k in alike:
+        x, y = room.to_page(xy[k])[0]
+        for times in (2, 1):
+            style = {"class_": "halo", "fill": class_style(int(obs_class[k]))[0], "style": room.clip(scene)}
+            scene.add(f"halo {k} {times}", "circle", cx=x, cy=y, r=times * kernel_std * room.scale[0], **style)
+    for k in alike:
+        room.line(scene, f"distance {k}", [xy[asks], xy[k]], "spring")
+    for k, point in enumerate(xy):
+        room.mark(scene, f"sighting {k}", point, int(obs_class[k]))
+        right = xy - point
+        crowded = ((right[:, 0] > 0) & (right[:, 0] < NAME[0]) & (np.abs(right[:, 1]) < NAME[1])).any()
+        shift, style = ((-17.0, 5.0), "end") if crowded else ((17.0, 5.0), "start")
+        room.text(scene, f"name {k}", point, f"Obj_{k + 1}", shift, f"{style} bold" if k == asks else style)
+    hint = "drag a sighting, or move it with the arrow keys"
+    scene.add("hint", "text", hint, x=LEFT, y=SIZE[1] - 6, class_="quiet small", data_places="xy")
+    for k, point in enumerate(xy):
+        name = f"Obj_{k + 1}, {class_names[obs_class[k]]}, at {point[0]:.2f} m, {point[1]:.2f} m"
+        room.handle(scene, f"handle {k}", point, ("xy", k), name, radius=13.0)
 
 
-def _bars(log: RobotLog, class_names):
-    """The figure, the axes of weights and of probabilities, and the level of the threshold."""
-    names = [*pictures.sighting_names(log.obs_class, class_names), "new"]
-    bar_class = [*log.obs_class.tolist(), None]
-    figure, (left, right) = plotting.new_figure(2, 1, (8.6, 5.4))
-    nothing = np.zeros(len(names))
-    pictures.plot_bars(left, nothing, names, bar_class, "weight (no unit)", "weights: votes x nearness, and alpha")
-    pictures.plot_bars(right, nothing, names, bar_class, "probability (no unit)", "probabilities, and the threshold")
-    left.set_ylim(0.0, HIGHEST_WEIGHT)
-    right.set_ylim(0.0, 1.12)
-    pictures.plot_threshold(right, 0.0)
-    left.tick_params(labelbottom=False)  # names once, below both: drawing them takes a quarter of the time
-    right.texts[-1].remove()  # its value would change; the words and the slider give it
-    return figure, left, right, right.lines[-1]
+def _draw_answers(scene: Scene, asks: int, weights, probabilities, threshold: float, obs_class) -> None:
+    """Weights and probabilities of all but the one that asks, and the threshold where there is one."""
+    itself = np.arange(len(probabilities)) == asks
+    for row, (values, top) in enumerate(((weights, HIGHEST_WEIGHT), (probabilities, HIGHEST_PROBABILITY))):
+        _draw_bars(scene, row, np.where(itself, np.nan, values), top, obs_class)
+    if threshold > 0:
+        bars = Panel(BARS[1], (-0.5, len(probabilities) - 0.5), (0.0, HIGHEST_PROBABILITY))
+        bars.line(scene, "threshold", [(-0.5, threshold), (len(probabilities) - 0.5, threshold)], "level")
+
+
+def _draw_bars(scene: Scene, row: int, values: np.ndarray, top: float, obs_class) -> None:
+    """A bar for every observation and one for "new"; NaN is the one that asks, which has none."""
+    panel = Panel(BARS[row], (-0.5, len(values) - 0.5), (0.0, top))
+    title = ("weights: votes x nearness, and alpha", "probabilities, and the threshold")[row]
+    kind = ("weight", "probability")[row]
+    panel.axes(scene, kind, title, ("", f"{kind} (no unit)"), ((), (0.0, 0.5, 1.0)))
+    for k, value in enumerate(values):
+        is_new, height = k == len(obs_class), 0.0 if np.isnan(value) else float(value)
+        corner, foot = panel.to_page([(k - WIDTH_OF_BAR / 2, height), (k + WIDTH_OF_BAR / 2, 0.0)])
+        size = {"width": foot[0] - corner[0], "height": foot[1] - corner[1]}
+        color = "#9a9a9a" if is_new else class_style(int(obs_class[k]))[0]
+        scene.add(f"{kind} {k}", "rect", x=corner[0], y=corner[1], fill=color, class_="mark", **size)
+        # A weight of 0.004 is written as 0.00, and exactly zero as 0.
+        text = "itself" if np.isnan(value) else "0" if height == 0 else f"{height:.2f}"
+        panel.text(scene, f"{kind} number {k}", (k, height), text, (0.0, -5.0))
+        name = "new" if is_new else f"Obj_{k + 1}"
+        panel.text(scene, f"{kind} name {k}", (k, 0.0), name, (0.0, 18.0), "middle small")
 
 
 def _words(asks: int, weights: np.ndarray, probabilities: np.ndarray, alpha: float, threshold: float | None) -> str:

@@ -31,7 +31,8 @@ def explore_noise(seed: int = 2016) -> Explorer:
             markers.set_offsets(xy[log.obs_class == c])
         return in_words(noise, poses, xy, truth)
 
-    return Explorer(figure, update, noise=slider("noise (paper = 1)", 1.0, 0.0, HIGHEST_NOISE, 0.25))
+    noise = slider("noise (paper = 1)", 1.0, 0.0, HIGHEST_NOISE, 0.25)
+    return Explorer(figure, update, {"noise": noise.grid()}, noise=noise)
 
 
 def in_words(noise: float, poses: np.ndarray, obs_xy_world: np.ndarray, truth) -> str:

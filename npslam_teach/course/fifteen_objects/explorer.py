@@ -37,7 +37,8 @@ def explore_method(log: RobotLog, truth: GroundTruth) -> Explorer:
         return words(alpha, threshold, snapshots, truth)
 
     sliders = {"alpha": slider("alpha", 0.9, 0.05, 1.5, 0.05), "threshold": choice("acceptance", RULES)}
-    return Explorer(figure, update, **sliders)
+    frames = {"alpha": (0.3, 0.9, 1.2), "threshold": (None, 0.03)}
+    return Explorer(figure, update, frames, **sliders)
 
 
 def words(alpha: float, threshold: float | None, snapshots: list[Snapshot], truth: GroundTruth) -> str:

@@ -41,7 +41,8 @@ def explore_gate(log: RobotLog, time: int, class_names: tuple, labels=None) -> E
 
     first = slider("gate (st. deviations)", 3.0, 0.5, WIDEST, 0.1)
     second = slider("second gate (st. dev.)", 5.3, 0.5, WIDEST, 0.1)
-    return Explorer(figure, update, gate=first, second_gate=second)
+    frames = {"gate": (0.5, 2, 3, 4.5, 6), "second_gate": (0.5, 3, 5.3, 6)}
+    return Explorer(figure, update, frames, gate=first, second_gate=second)
 
 
 def in_words(picture: pictures.GateMap, answers: list[str], gate: float, second_gate: float, nearest: int = 3) -> str:

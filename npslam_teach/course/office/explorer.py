@@ -44,7 +44,9 @@ def explore_office(snapshots: dict[str, Snapshot], log: RobotLog, truth: GroundT
     legend_below(figure, class_handles(classes, truth.world.class_names) + path_handles(("estimated path",)), 9)
     update = _Update(ax, left, right, snapshots, log, truth)
     methods = choice("method", {name: name for name in snapshots})
-    return Explorer(figure, update, method=methods, epsilon=slider("epsilon", 0.1, 0.02, 0.5, 0.01))
+    epsilon = slider("epsilon", 0.1, 0.02, 0.5, 0.01)
+    frames = {"method": methods.grid(), "epsilon": (0.05, 0.1, 0.5)}
+    return Explorer(figure, update, frames, method=methods, epsilon=epsilon)
 
 
 class _Update:

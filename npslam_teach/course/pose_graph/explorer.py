@@ -75,9 +75,10 @@ def explore_gauss_newton(starts: dict[str, PoseGraph], true_xy: np.ndarray | Non
         left.set_title(f"iteration {iteration}")
         return words(run, iteration)
 
-    slider, button = player("iteration", max(len(run) for run in runs.values()) - 1)
+    last = max(len(run) for run in runs.values()) - 1
     names = choice("start", {name: name for name in runs})
-    return Explorer(figure, update, extras=[button], start=names, iteration=slider)
+    iterations = player("iteration", last)
+    return Explorer(figure, update, {"iteration": iterations.grid()}, start=names, iteration=iterations)
 
 
 def words(run: list[Iteration], iteration: int) -> str:

@@ -54,4 +54,4 @@ def explore_confusion(seed: int, results: dict[tuple, list[Snapshot]]) -> Explor
         "share": choice("wrong reports", {f"{100 * share:.0f} %": share for share in shares}),
         "round": slider("round", most, 1, most, 1),
     }
-    return Explorer(figure, update, **sliders)
+    return Explorer(figure, update, {name: sliders[name].grid() for name in ("method", "share")}, **sliders)

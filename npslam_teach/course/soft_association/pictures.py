@@ -24,6 +24,7 @@ LOOKS = {
     "ekf": method_style("ekf"),
     "soft-em": method_style("soft-em"),
     "max-mixture": {"color": CLASS_COLORS[5], "marker": CLASS_MARKERS[6], "linestyle": "--"},
+    "posterior": method_style("posterior"),
     "overconfident": method_style("soft-em") | {"linestyle": "-.", "marker": "v"},
     "true identities": TRUTH_LINE | {"marker": "s"},
 }

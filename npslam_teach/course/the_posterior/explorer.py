@@ -27,6 +27,7 @@ from npslam_teach.plotting.style import (
 from npslam_teach.types import GroundTruth
 
 ROWS = 8
+FRAMES = 6  # of an annealing, where no kernel runs
 
 
 class ExactPosterior:
@@ -75,7 +76,9 @@ def explore_posterior(exact: ExactPosterior, true_labels: np.ndarray) -> Explore
         return _words(exact, p, order, by_number, 10**log_alpha, temperature)
 
     log_alpha = slider("log10 of alpha", 0.0, -3.0, 3.0, 0.1)
-    return Explorer(figure, update, log_alpha=log_alpha, temperature=slider("temperature", 1.0, 0.1, 8.0, 0.1))
+    temperature = slider("temperature", 1.0, 0.1, 8.0, 0.1)
+    frames = {"log_alpha": (0, 3), "temperature": (0.1, 1, 4)}
+    return Explorer(figure, update, frames, log_alpha=log_alpha, temperature=temperature)
 
 
 def _words(exact: ExactPosterior, p: np.ndarray, order: list, by_number, alpha: float, temperature: float) -> str:
@@ -192,8 +195,8 @@ def explore_annealing(film: AnnealingFilm) -> Explorer:
         here.set_data([temperatures[state]], [counts[state]])
         return annealing_words(film, state)
 
-    position, button = player("state", len(film.states) - 1)
-    return Explorer(figure, update, extras=(button,), state=position)
+    states = player("state", len(film.states) - 1)
+    return Explorer(figure, update, {"state": states.grid()[:: 1 + len(film.states) // FRAMES]}, state=states)
 
 
 def annealing_words(film: AnnealingFilm, number: int) -> str:

@@ -56,7 +56,7 @@ def explore_kernel(scenes: dict, results: dict[tuple, Snapshot]) -> Explorer:
         "noise": slider("noise (paper = 1)", int(min(scenes)), int(min(scenes)), int(max(scenes)), 1),
         "kernel_std": choice("kernel width (m)", {f"{width:g}": width for width in kernels}),
     }
-    return Explorer(figure, update, **sliders)
+    return Explorer(figure, update, {"noise": list(scenes), "kernel_std": list(kernels)[::2]}, **sliders)
 
 
 def words(noise: int, kernel_std: float, last: Snapshot, truth: GroundTruth) -> str:

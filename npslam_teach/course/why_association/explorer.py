@@ -56,8 +56,9 @@ def explore_wrong_association() -> Explorer:
 
     sightings = choice("sighting", {f"Obj_{k + 1}": k for k in range(log.num_observations)})
     objects = choice("is given to", {name: k for k, name in enumerate(OBJECTS)})
-    sightings.value, objects.value = 4, int(BELONGS_TO[4])  # Obj_5, at its own object
-    return Explorer(figure, update, sighting=sightings, to=objects)
+    sightings.put(4)
+    objects.put(int(BELONGS_TO[4]))  # Obj_5, at its own object
+    return Explorer(figure, update, {"to": objects.grid()}, sighting=sightings, to=objects)
 
 
 def in_words(before: Outcome, after: Outcome, sighting: int, to: int) -> str:

@@ -1,0 +1,152 @@
+"""Scenes: pictures of a few parts that glide from one state to the next and can be taken hold of.
+
+A scene is SVG in pieces: every part has a name, a tag, attributes and perhaps a text. The page moves the part of a name
+to its next attributes; the same parts written one after the other are a picture for where no scripts run. Colours of
+lines and texts are classes of ``scene.css``, which follow a dark theme; those of objects are colours.
+"""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.sax.saxutils import escape, quoteattr
+
+import numpy as np
+
+from npslam_teach.plotting.style import class_style
+
+CSS = (Path(__file__).parent / "scene.css").read_text(encoding="utf-8")
+PAGE_CSS = "".join(f".npslam-explorer svg {line}\n" for line in CSS.splitlines())
+_SHAPES = {
+    "o": None,
+    "s": [(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
+    "^": [(0, -1.15), (1.05, 0.85), (-1.05, 0.85)],
+    "D": [(0, -1.2), (1.2, 0), (0, 1.2), (-1.2, 0)],
+}
+
+
+@dataclass
+class Scene:
+    """The parts of one picture, by name; later ones lie over earlier ones."""
+
+    size: tuple[float, float]  # px
+    parts: dict[str, list] = field(default_factory=dict)
+
+    def add(self, name: str, tag: str, text: str | None = None, **attributes) -> None:
+        """Add a part; ``class_`` and underscores become what SVG calls them, numbers are rounded to 0.01 px."""
+        named = {key.rstrip("_").replace("_", "-"): _written(value) for key, value in attributes.items()}
+        self.parts[name] = [tag, named] if text is None else [tag, named, text]
+
+    def message(self) -> dict:
+        """For the page."""
+        return {"size": list(self.size), "parts": self.parts}
+
+    def svg(self) -> str:
+        """The same as a file, without what only a hand needs."""
+        drawn = "".join(_markup(*part) for part in self.parts.values() if "data-places" not in part[1])
+        width, height = self.size
+        box = f'viewBox="0 0 {width:g} {height:g}" width="{width:g}" height="{height:g}"'
+        head = f'<svg xmlns="http://www.w3.org/2000/svg" {box}>'
+        paper = f'<rect width="{width}" height="{height}" fill="#fff"/>'
+        return f"{head}<style>{CSS}</style>{paper}{drawn}</svg>"
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A rectangle of the picture with axes of its own."""
+
+    box: tuple[float, float, float, float]  # left, top, width, height in px
+    x: tuple[float, float]  # what it shows, from left to right
+    y: tuple[float, float]  # from bottom to top
+
+    @property
+    def scale(self) -> tuple[float, float, float, float]:
+        """Page = scale[0] * x + scale[1], scale[2] * y + scale[3]."""
+        left, top, width, height = self.box
+        a, b = width / (self.x[1] - self.x[0]), -height / (self.y[1] - self.y[0])
+        return a, left - a * self.x[0], b, top - b * self.y[1]
+
+    def to_page(self, xy) -> np.ndarray:
+        """(N, 2) px of (N, 2) in the units of the axes."""
+        a, x0, b, y0 = self.scale
+        return np.atleast_2d(xy) * (a, b) + (x0, y0)
+
+    def clip(self, scene: Scene) -> str:
+        """The style of a part that is cut off at the frame."""
+        left, top, width, height = (round(length, 2) for length in self.box)
+        right, bottom = round(scene.size[0] - left - width, 2), round(scene.size[1] - top - height, 2)
+        return f"clip-path: inset({top}px {right}px {bottom}px {left}px) view-box"
+
+    def axes(self, scene: Scene, name: str, title: str, labels: tuple[str, str], ticks: tuple) -> None:
+        """Frame, grid, ticks, labels and title.
+
+        Args:
+            scene: gets them.
+            name: a prefix for the names of the parts.
+            title: of the panel.
+            labels: of x and y, with units; an empty one is left out.
+            ticks: values on x and on y.
+        """
+        left, top, width, height = self.box
+        right, bottom = left + width, top + height
+        for k, value in enumerate(ticks[0]):
+            at = self.to_page((value, self.y[0]))[0][0]
+            scene.add(f"{name} x{k}", "line", x1=at, x2=at, y1=top, y2=bottom, class_="grid")
+            scene.add(f"{name} xt{k}", "text", f"{value:g}", x=at, y=bottom + 18, class_="middle quiet")
+        for k, value in enumerate(ticks[1]):
+            at = self.to_page((self.x[0], value))[0][1]
+            scene.add(f"{name} y{k}", "line", x1=left, x2=right, y1=at, y2=at, class_="grid")
+            scene.add(f"{name} yt{k}", "text", f"{value:g}", x=left - 7, y=at + 5, class_="end quiet")
+        scene.add(f"{name} frame", "rect", x=left, y=top, width=width, height=height, class_="frame")
+        scene.add(f"{name} title", "text", title, x=left, y=top - 10, class_="title")
+        if labels[0]:
+            scene.add(f"{name} xl", "text", labels[0], x=left + width / 2, y=bottom + 38, class_="middle quiet")
+        if labels[1]:
+            turn = f"translate({left - 42} {top + height / 2}) rotate(-90)"
+            scene.add(f"{name} yl", "text", labels[1], transform=turn, class_="middle quiet")
+
+    def line(self, scene: Scene, name: str, xy, style: str, **attributes) -> None:
+        """A line through (N, 2) points, of a class of ``scene.css``."""
+        points = " ".join(f"{_written(x)},{_written(y)}" for x, y in self.to_page(xy))
+        scene.add(name, "polyline", points=points, class_=style, **attributes)
+
+    def mark(self, scene: Scene, name: str, xy, object_class: int, radius: float = 8.0, **attributes) -> None:
+        """The marker of a class at a point."""
+        color, marker = class_style(object_class)
+        x, y = self.to_page(xy)[0]
+        shape = _SHAPES[marker]
+        style = {"fill": color, "class_": "mark"} | attributes
+        if shape is None:
+            scene.add(name, "circle", cx=x, cy=y, r=radius, **style)
+        else:
+            corners = " ".join(f"{_written(x + radius * p)},{_written(y + radius * q)}" for p, q in shape)
+            scene.add(name, "polygon", points=corners, **style)
+
+    def text(self, scene: Scene, name: str, xy, text: str, shift=(0.0, 0.0), style: str = "middle") -> None:
+        """A text at a point, moved by some px."""
+        x, y = self.to_page(xy)[0] + shift
+        scene.add(name, "text", text, x=x, y=y, class_=style)
+
+    def handle(self, scene: Scene, name: str, xy, places: tuple[str, int], label: str, radius: float = 16.0) -> None:
+        """A ring around a point by which it is dragged.
+
+        Args:
+            scene: gets it.
+            name: of the part.
+            xy: (2,).
+            places: the name of the control and the number of the point.
+            label: what a screen reader says.
+            radius: px, large enough for a finger.
+        """
+        x, y = self.to_page(xy)[0]
+        seen = {"class_": "handle mark", "fill": "transparent", "tabindex": 0, "role": "button"}
+        what = {"aria_roledescription": "point to drag", "aria_label": f"{label}; arrow keys move it"}
+        owner = {"data_places": places[0], "data_index": places[1]}
+        scene.add(name, "circle", cx=x, cy=y, r=radius, **seen, **what, **owner)
+
+
+def _markup(tag: str, attributes: dict, text: str = "") -> str:
+    named = " ".join(f"{key}={quoteattr(value)}" for key, value in attributes.items())
+    return f"<{tag} {named}>{escape(text)}</{tag}>"
+
+
+def _written(value) -> str:
+    return value if isinstance(value, str) else f"{round(float(value), 2):g}"

@@ -1,0 +1,107 @@
+"""How much a step of an explorer leaves behind, in a process and in a page: a class plays with a slider for an hour."""
+
+import gc
+import itertools
+import os
+import tracemalloc
+from pathlib import Path
+
+import psutil
+from explorers import Shown, ShownControl
+
+from npslam_teach.course.controls import Places
+from npslam_teach.pose_graph import factorization
+
+# A few steps show that nothing stays. Only where something has grown, which may be a store that fills, more decide.
+WARM_UP, ROUNDS = 20, (12, 60, 200)
+TRACED_WARM_UP = 4  # after so many the present picture is one that was made while memory was traced
+# qdldl frees arrays behind tracemalloc's back, which goes on listing some of them; a process that updates a factor a
+# hundred thousand times does not grow by a kilobyte.
+NOT_QDLDL = tracemalloc.Filter(False, factorization.__file__)
+BYTES_PER_STEP = 10_000  # a picture is about 60 kB
+# In a page a picture is text, and a third more; two nodes and one listener a step are hundreds after an hour.
+LIMITS = {"heap": 20_000, "kernel": 40_000, "nodes": 2, "listeners": 1}
+
+
+def number_of_artists(explorer) -> int:
+    return len(explorer.figure.findobj() if explorer.figure else explorer.scene.parts)
+
+
+def to_and_fro(explorer):
+    """Moves of every control in turn, through its whole range and back, for ever."""
+    controls = {name: each for name, each in explorer.sliders.items() if not isinstance(each, Places)}
+    for name, control in itertools.cycle(controls.items()):
+        values = control.grid()
+        values = values[:: 1 + len(values) // 10]
+        for value in values + values[-2::-1]:
+            yield {name: value}
+
+
+def growth_in_python(moves, explorer) -> float:
+    """How many bytes a step leaves behind."""
+    for steps in ROUNDS:
+        tracemalloc.start()
+        try:
+            before = traced_after(itertools.islice(moves, TRACED_WARM_UP), explorer)
+            growth = (traced_after(itertools.islice(moves, steps), explorer) - before) / steps
+        finally:
+            tracemalloc.stop()
+        if growth < BYTES_PER_STEP:
+            break
+    return growth
+
+
+def traced_after(moves, explorer) -> int:
+    """How many bytes that were taken since tracing began are still held after some moves."""
+    for move in moves:
+        explorer.move(**move)
+    gc.collect()
+    return sum(trace.size for trace in tracemalloc.take_snapshot().filter_traces([NOT_QDLDL]).traces)
+
+
+def kernels_of(folder: Path) -> list[psutil.Process]:
+    """The kernels that a JupyterLab has started in a folder."""
+    found = []
+    for process in psutil.process_iter(["cmdline", "cwd"]):
+        command, cwd = process.info["cmdline"] or [], process.info["cwd"] or ""
+        if any("ipykernel" in word for word in command) and Path(cwd).is_relative_to(os.path.realpath(folder)):
+            found.append(process)
+    return found
+
+
+class Footprint:
+    """What a page and its kernel hold."""
+
+    def __init__(self, page, kernel: psutil.Process):
+        session = page.context.new_cdp_session(page)
+        for _ in range(2):  # what the first collection finalises the second one frees
+            session.send("HeapProfiler.collectGarbage")
+        self.heap = session.send("Runtime.getHeapUsage")["usedSize"]
+        self.nodes = session.send("Memory.getDOMCounters")["nodes"]
+        self.listeners = session.send("Memory.getDOMCounters")["jsEventListeners"]
+        self.kernel = kernel.memory_info().rss
+        session.detach()
+
+
+def press(explorer: Shown, slider: ShownControl, times: int) -> None:
+    """Step by step, from one end of the slider to the other and back."""
+    last = len(slider.values()) - 1
+    forward = slider.index() < last
+    for _ in range(times):
+        if slider.index() in (0, last):
+            forward = slider.index() == 0
+        explorer.press(slider, forward)
+
+
+def growth_in_a_page(explorer: Shown, kernel: psutil.Process) -> dict[str, float]:
+    """By what a page and its kernel grow with a step of the first slider, which begins to warm up."""
+    slider = next(control for control in explorer.controls if not control.is_list)
+    press(explorer, slider, WARM_UP)
+    for steps in ROUNDS:
+        before = Footprint(explorer.page, kernel)
+        press(explorer, slider, steps)
+        after = Footprint(explorer.page, kernel)
+        growth = {name: (value - vars(before)[name]) / steps for name, value in vars(after).items()}
+        if all(value < LIMITS[name] for name, value in growth.items()):
+            break
+    return growth

@@ -9,11 +9,12 @@ from npslam_teach.course.trials import fresh
 def growth_inputs() -> tuple[list, dict]:
     """Arguments of ``check_growth``: its trials, and its edges by the situation."""
     rng, trials = fresh(), []
-    for n in (2, 5, 10):
-        steps = np.column_stack([rng.uniform(0.05, 0.15, 40), rng.normal(0, 0.01, 40), rng.normal(0.2, 0.3, 40)])
+    # In the last the robot turns by 3.0 rad within a stretch, and its wheels report more than half a turn.
+    for n, turn, turn_std, noise_std in (*((n, 0.2, 0.3, 0.3) for n in (2, 5, 10)), (3, 1.0, 0.01, 0.05)):
+        steps = np.column_stack([rng.uniform(0.05, 0.15, 40), rng.normal(0, 0.01, 40), rng.normal(turn, turn_std, 40)])
         poses = se2.dead_reckoning(steps, (1.0, 2.0, 3.0))
         bias = np.array([0.01, 0.0, 0.08])  # the heading of the wheels comes to leave the true one by half a turn
-        trials.append((steps + bias + rng.normal(size=(40, 3)) * (0.01, 0.005, 0.3), poses, n))
+        trials.append((steps + bias + rng.normal(size=(40, 3)) * (0.01, 0.005, noise_std), poses, n))
     odometry, poses, _ = trials[0]
     edges = {
         "with single steps": [(odometry, poses, 1)],

@@ -56,8 +56,7 @@ def explore_believed_noise(results: dict[tuple, Snapshot]) -> Explorer:
         "method": choice("method", {name: name for name in COMPARED[::-1]}),
         "power": slider("log2 of noise factor", 0, -2, 2, 1),
     }
-    frames = {"method": sliders["method"].grid(), "power": (-2, 0, 2)}
-    return Explorer(figure, update, frames, **sliders)
+    return Explorer(figure, update, {"method": COMPARED, "power": (-2, 0, 2)}, **sliders)
 
 
 def words(method: str, factor: float, last: Snapshot, truth: GroundTruth) -> str:

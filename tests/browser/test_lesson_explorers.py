@@ -179,12 +179,11 @@ def chi2_of(words: str) -> float:
 def test_a_pose_is_pulled_by_hand_and_the_solver_takes_it_back(notebook, hand):
     """Last, because the poses are left where the hand has put them."""
     page, springs = notebook[0], notebook[1]["03_pose_graph.ipynb"][0]
-    springs.root.scroll_into_view_if_needed()
     handle = springs.root.locator("[data-index='2']")
     at_rest = chi2_of(springs.twin.move(iteration=6))
     if hand == "mouse":
+        handle.hover()  # waits until the page is at rest
         box = handle.bounding_box()
-        page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
         page.mouse.down()
         page.mouse.move(box["x"] + 60, box["y"] + 60)
     else:

@@ -19,6 +19,11 @@ CHROMIUM_ARGUMENTS = (
 ).split()
 CELLS_SECONDS = 300
 PAGE_SECONDS = 120
+ALL_SHOWN = """cells => {
+    const images = [...document.querySelectorAll(".jp-Notebook .jp-Cell img")];
+    return document.querySelectorAll(".jp-Notebook .jp-Cell").length === cells && images.length > 0
+        && images.every((each) => each.complete);
+}"""
 LARGE_WINDOW = {"width": 1400, "height": 1000}
 
 
@@ -98,11 +103,15 @@ def write_notebook(path: Path, *sources: str) -> None:
     nbformat.write(notebook, path)
 
 
-def open_notebook(page, lab: Lab, name: str, workspace: str = "test") -> None:
-    """Open a notebook of the course and wait until its kernel is idle."""
+def open_notebook(page, lab: Lab, name: str, workspace: str = "test", runs: bool = True) -> None:
+    """Open a notebook of the course and wait until its kernel is idle or, where it is only read, until all is shown."""
     page.goto(lab.url(name, workspace))
     page.locator(".jp-Notebook:visible").wait_for(timeout=60_000)
-    wait_until_idle(page)
+    if runs:
+        wait_until_idle(page)
+    else:
+        cells = len(nbformat.read(lab.folder / "notebooks" / name, as_version=4).cells)
+        page.wait_for_function(ALL_SHOWN, arg=cells)
     page.keyboard.press("Control+b")  # the list of files takes half of a narrow window
 
 

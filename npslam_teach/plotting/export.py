@@ -96,13 +96,12 @@ def _drawn(figure: Figure, dpi: float) -> Image.Image:
     return picture.quantize(256, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
 
 
-def show(figure: Figure | bytes, alt: str, is_photograph: bool = False):
+def show(figure: Figure | bytes, alt: str):
     """A figure for a notebook, with the text that a screen reader reads instead.
 
     Args:
         figure: the figure, or the bytes of an animated GIF.
         alt: what the picture shows, in a sentence or two.
-        is_photograph: keep its colours on a dark page.
 
     Returns:
         ``IPython.display.HTML``: the last value of a cell is displayed.
@@ -114,7 +113,7 @@ def show(figure: Figure | bytes, alt: str, is_photograph: bool = False):
         return show_animation(figure, alt)
     text = _checked(alt)
     # A third more pixels than it is wide on the page, for sharp lines when it is projected.
-    return _as_html("image/png", png_bytes(figure), text, figure.get_figwidth(), is_photograph)
+    return _as_html("image/png", png_bytes(figure), text, figure.get_figwidth())
 
 
 def show_animation(gif: bytes, alt: str):
@@ -147,15 +146,15 @@ def picture_tag(png: bytes, alt: str, inches) -> str:
     return _tag("image/png", png, _checked(alt), size)
 
 
-def _as_html(media_type: str, content: bytes, alt: str, inches: float, is_photograph: bool = False):
+def _as_html(media_type: str, content: bytes, alt: str, inches: float):
     # Imported here: files are also written where there is no notebook.
     from IPython.display import HTML
 
     size = f'width="{round(inches * CSS_DPI)}" style="max-width:100%"'
-    return HTML(_tag(media_type, content, alt, size, is_photograph))
+    return HTML(_tag(media_type, content, alt, size))
 
 
-def _tag(media_type: str, content: bytes, alt: str, size: str, is_photograph: bool = False) -> str:
+def _tag(media_type: str, content: bytes, alt: str, size: str) -> str:
     data = base64.b64encode(content).decode("ascii")
-    look, style = ("", "") if is_photograph else (f'class="{PICTURE_CLASS}" ', PICTURE_STYLE)
-    return f'<img {look}alt="{html.escape(alt, quote=True)}" src="data:{media_type};base64,{data}" {size}>{style}'
+    words, source = html.escape(alt, quote=True), f"data:{media_type};base64,{data}"
+    return f'<img class="{PICTURE_CLASS}" alt="{words}" src="{source}" {size}>{PICTURE_STYLE}'

@@ -3,12 +3,17 @@
 The template loads its scripts for formulas from the network; here they do not come, so formulas stay as they are typed.
 """
 
+import io
 import shutil
 
+import numpy as np
 import pytest
 from axe import violations
 from lab_server import ROOT
+from PIL import Image
 
+from npslam_teach import plotting
+from npslam_teach.plotting.style import CLASS_COLORS
 from npslam_teach.publishing import book
 
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
@@ -50,3 +55,39 @@ def test_axe_finds_a_picture_without_words_and_grey_on_grey(offline):
     )
     found = " ".join(violations(offline))
     assert "image-alt" in found and "color-contrast" in found
+
+
+DARK_PAGES = {
+    "JupyterLab": '<body data-jp-theme-light="false"',
+    "VS Code": '<body class="vscode-dark"',
+    "Colab": '<html theme="dark"><body',
+}
+
+
+def seen(page, body: str, background: str) -> np.ndarray:
+    """What a reader sees of a picture with a black bar and one of the first class's colour, on a page of a colour."""
+    figure, ax = plotting.new_figure(size=(3.0, 2.0))
+    ax.axis("off")
+    ax.bar([0, 2], [1, 1], color=["black", CLASS_COLORS[0]])
+    shown = plotting.show(figure, "Two bars beside each other, of one height").data
+    page.set_content(f'{body} style="margin:0;background:{background}">{shown}')
+    return np.asarray(Image.open(io.BytesIO(page.locator("img").screenshot())).convert("RGB")).astype(int)
+
+
+def bars(picture: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The colours of the corner, of the left bar and of the right one."""
+    height, width, _ = picture.shape
+    return picture[2, 2], picture[height // 2, width // 4], picture[height // 2, 3 * width // 4]
+
+
+def test_a_picture_has_the_colour_of_a_light_page_behind_it(page):
+    behind, black, first = bars(seen(page, "<body", "#eeeeee"))
+    assert behind.tolist() == [0xEE] * 3 and black.max() < 20 and first.argmax() == 2, "blue stays blue"
+
+
+@pytest.mark.parametrize("where", DARK_PAGES)
+def test_on_a_dark_page_a_picture_is_light_on_dark_and_keeps_its_hues(page, where):
+    behind, black, first = bars(seen(page, DARK_PAGES[where], "#111111"))
+    assert behind.tolist() == [0x11] * 3, "no white slab"
+    assert black.min() > 230, "what was black is white"
+    assert first.argmax() == 2 and first.sum() > 300, "blue stays blue, and can be seen"

@@ -83,12 +83,13 @@ def site(options) -> int:
 
 
 def book(options) -> int:
-    """Write all lessons as one HTML file, or print that to PDF."""
+    """Write all lessons, or the library's names with their docstrings, as one HTML file, or print that to PDF."""
     from npslam_teach.publishing import book as making
 
-    _require_checkout(ROOT / "notebooks")
+    if not options.api:
+        _require_checkout(ROOT / "notebooks")
     announce(options.out)
-    making.write_book(ROOT / "notebooks", Path(options.out), options.browser)
+    making.write_book(None if options.api else ROOT / "notebooks", Path(options.out), options.browser)
     print(f"book: {options.out}")
     return 0
 

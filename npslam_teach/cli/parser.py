@@ -223,6 +223,9 @@ def _add_book(subparsers) -> None:
     book.add_argument(
         "--out", action=Once, required=True, metavar="FILE", help="FILE.html, or FILE.pdf if there is a browser"
     )
+    book.add_argument(
+        "--api", action="store_true", help="the library's public names with their docstrings instead of the lessons"
+    )
     book.add_argument("--browser", metavar="PROGRAM", help="the Chromium, Chrome or Edge that prints the PDF")
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import nbformat
 
-from npslam_teach.publishing import book_page, lessons
+from npslam_teach.publishing import api_page, book_page, lessons
 from npslam_teach.publishing.book_markdown import Chapter, render
 from npslam_teach.publishing.colab import TAG as INSTALL
 from npslam_teach.system.files import atomic_write
@@ -29,11 +29,11 @@ _INSTALLED = (
 )
 
 
-def write_book(folder: Path, out: Path, browser: str | None = None) -> None:
+def write_book(folder: Path | None, out: Path, browser: str | None = None) -> None:
     """Write the book, as HTML or as PDF by the ending of the name.
 
     Args:
-        folder: the course's ``notebooks``.
+        folder: the course's ``notebooks``; None: the library's names and docstrings instead of the lessons.
         out: the file to write, which ends in .html or .pdf.
         browser: the program that prints a PDF; by default the first Chromium, Chrome or Edge that is found.
 
@@ -45,12 +45,13 @@ def write_book(folder: Path, out: Path, browser: str | None = None) -> None:
         raise ValueError(f"--out {out}: expected a name that ends in .html or .pdf, got {out.suffix!r}")
     if not out.absolute().parent.is_dir():
         raise FileNotFoundError(f"--out {out}: expected a folder to write into, found none")
+    make = api_page.api_html if folder is None else lambda: book_html(folder)
     if out.suffix.lower() == ".html":
         with atomic_write(out) as stream:
-            stream.write(book_html(folder))
+            stream.write(make())
         return
     printer = find_browser(browser)
-    content = print_to_pdf(unfolded(book_html(folder)), printer)
+    content = print_to_pdf(unfolded(make()), printer)
     with atomic_write(out, "wb") as stream:
         stream.write(content)
 

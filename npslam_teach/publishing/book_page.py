@@ -82,18 +82,20 @@ _PAGE = """\
 """
 
 
-def page(chapters: list[tuple[Chapter, str]]) -> str:
+def page(chapters: list[tuple[Chapter, str]], title: str = TITLE, introduction: str = _INTRODUCTION) -> str:
     """The whole book.
 
     Args:
         chapters: each lesson and its HTML.
+        title: of the book, plain text.
+        introduction: HTML.
     """
     contents = "\n".join(_contents(chapter) for chapter, _ in chapters)
     lessons = "\n".join(f'<section class="lesson">\n{body}\n</section>' for _, body in chapters)
     return _PAGE.format(
-        title=html.escape(TITLE),
+        title=html.escape(title),
         style=_STYLE + _code_colours(),
-        introduction=_INTRODUCTION,
+        introduction=introduction,
         contents=contents,
         lessons=lessons,
     )

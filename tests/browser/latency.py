@@ -14,7 +14,7 @@ from pathlib import Path
 TESTS = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(TESTS.parent), str(TESTS / "helpers")]  # as in tests; the package, where only the checkout has it
 
-from explorers import Shown, lessons_with_explorers, open_explorers  # noqa: E402
+from explorers import Shown, ShownControl, lessons_with_explorers, open_explorers  # noqa: E402
 from lab_server import (  # noqa: E402
     LARGE_WINDOW,
     copy_of_the_course,
@@ -69,15 +69,24 @@ def measure(page, lab, presses: int) -> list[Row]:
     return rows
 
 
-def held(explorer: Shown, control) -> float:
-    """Hold an arrow key down for a second; milliseconds from its last repetition to the picture of where it ends."""
-    forward = control.index() < len(control.values()) / 2
+def held(explorer: Shown, control: ShownControl) -> float:
+    """Hold an arrow key down for a second; milliseconds from its last repetition to the picture of where it ends.
+
+    The control is put back, because the next one may do nothing at the end of this one.
+    """
+    before, last = control.index(), len(control.values()) - 1
+    forward = before < last / 2
     control.locator.focus()
     for _ in range(KEYS_PER_SECOND):
         explorer.page.keyboard.press(control.key(forward))
         explorer.page.wait_for_timeout(1000 / KEYS_PER_SECOND)
     explorer.wait_for_answer()
-    return explorer.latencies()[-1]
+    lag = explorer.latencies()[-1]
+    for _ in range(abs(control.index() - before)):
+        control.locator.press(control.key(not forward))
+    explorer.wait_for_answer()
+    explorer.latencies()
+    return lag
 
 
 def main(presses: int = 12) -> int:

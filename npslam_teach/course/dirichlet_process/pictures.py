@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from npslam_teach.plotting.maps import plot_objects, plot_trajectory
 from npslam_teach.plotting.style import (
+    CLASS_COLORS,
     ESTIMATE_COLOR,
     TEXT_SIZE,
     TRUTH_LINE,
@@ -154,7 +155,12 @@ def plot_tables(ax: Axes, tables: dict[float, np.ndarray], expected: dict[float,
         ax.plot(guests, expected[alpha], **TRUTH_LINE | {"zorder": 3})
     handles = ax.get_legend_handles_labels()[0][::-1]
     legend_beside(ax, handles + [Line2D([], [], label="by the formula", **TRUTH_LINE)])
-    return label_axes(ax, "guests (number)", "tables (number)", "mean evening, and 8 evenings in 10")
+    return label_axes(
+        ax,
+        "guests (number)",
+        "tables (number)",
+        "tables grow like the logarithm of the guests (band: 8 evenings in 10)",
+    )
 
 
 def plot_cliff(ax: Axes, alphas, counts: np.ndarray, num_objects_true: int) -> Axes:
@@ -176,4 +182,25 @@ def plot_cliff(ax: Axes, alphas, counts: np.ndarray, num_objects_true: int) -> A
     ax.set_yscale("log")
     ax.xaxis.set_major_locator(MaxNLocator(8))
     legend_beside(ax)
-    return label_axes(ax, "alpha (a weight, no unit)", "objects found (number, log scale)", "the cliff")
+    return label_axes(
+        ax,
+        "alpha (a weight, no unit)",
+        "objects found (number, log scale)",
+        "level up to 0.99; from 1 on nothing joins",
+    )
+
+
+def plot_new_objects(ax: Axes, known: np.ndarray, expected: np.ndarray) -> Axes:
+    """How many different objects the first 1, 2, ... observations are of, and how many tables a restaurant expects.
+
+    Args:
+        ax: any axes.
+        known: (M,) objects among the first observations.
+        expected: (M,) tables for as many guests.
+    """
+    sightings = np.arange(1, len(known) + 1)
+    ax.step(sightings, known, where="post", color=ESTIMATE_COLOR, linewidth=2.4, label="objects found")
+    ax.plot(sightings, expected, color=CLASS_COLORS[1], linestyle="-.", linewidth=2.4, label="a restaurant expects")
+    legend_beside(ax)
+    title = "the number found comes to rest; the restaurant's never does"
+    return label_axes(ax, "sightings (number)", "objects or tables (number)", title)

@@ -11,7 +11,6 @@ from matplotlib.ticker import MaxNLocator
 
 from npslam_teach.plotting.maps import plot_objects, plot_trajectory
 from npslam_teach.plotting.style import (
-    CLASS_COLORS,
     ESTIMATE_COLOR,
     TEXT_SIZE,
     TRUTH_LINE,
@@ -190,17 +189,19 @@ def plot_cliff(ax: Axes, alphas, counts: np.ndarray, num_objects_true: int) -> A
     )
 
 
-def plot_new_objects(ax: Axes, known: np.ndarray, expected: np.ndarray) -> Axes:
+def plot_new_objects(ax: Axes, known: list, expected: np.ndarray) -> Axes:
     """How many different objects the first 1, 2, ... observations are of, and how many tables a restaurant expects.
 
     Args:
         ax: any axes.
-        known: (M,) objects among the first observations.
+        known: for every room, (M,) objects among the first observations.
         expected: (M,) tables for as many guests.
     """
-    sightings = np.arange(1, len(known) + 1)
-    ax.step(sightings, known, where="post", color=ESTIMATE_COLOR, linewidth=2.4, label="objects found")
-    ax.plot(sightings, expected, color=CLASS_COLORS[1], linestyle="-.", linewidth=2.4, label="a restaurant expects")
+    for seed, counts in enumerate(known):
+        line = (0, (6, 1.5 * seed)) if seed else "-"  # beside the colour, for a grey printer
+        style = {"color": class_style(seed)[0], "linestyle": line, "linewidth": 2.0}
+        ax.step(np.arange(1, len(counts) + 1), counts, where="post", label=f"room {seed}", **style)
+    ax.plot(np.arange(1, len(expected) + 1), expected, label="a restaurant expects", **TRUTH_LINE)
     legend_beside(ax)
-    title = "the number found comes to rest; the restaurant's never does"
+    title = "the number of objects comes to rest; the restaurant's never does"
     return label_axes(ax, "sightings (number)", "objects or tables (number)", title)

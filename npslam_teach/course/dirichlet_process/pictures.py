@@ -154,7 +154,12 @@ def plot_tables(ax: Axes, tables: dict[float, np.ndarray], expected: dict[float,
         ax.plot(guests, expected[alpha], **TRUTH_LINE | {"zorder": 3})
     handles = ax.get_legend_handles_labels()[0][::-1]
     legend_beside(ax, handles + [Line2D([], [], label="by the formula", **TRUTH_LINE)])
-    return label_axes(ax, "guests (number)", "tables (number)", "mean evening, and 8 evenings in 10")
+    return label_axes(
+        ax,
+        "guests (number)",
+        "tables (number)",
+        "tables grow like the logarithm of the guests (band: 8 evenings in 10)",
+    )
 
 
 def plot_cliff(ax: Axes, alphas, counts: np.ndarray, num_objects_true: int) -> Axes:
@@ -176,4 +181,27 @@ def plot_cliff(ax: Axes, alphas, counts: np.ndarray, num_objects_true: int) -> A
     ax.set_yscale("log")
     ax.xaxis.set_major_locator(MaxNLocator(8))
     legend_beside(ax)
-    return label_axes(ax, "alpha (a weight, no unit)", "objects found (number, log scale)", "the cliff")
+    return label_axes(
+        ax,
+        "alpha (a weight, no unit)",
+        "objects found (number, log scale)",
+        "level up to 0.99; from 1 on nothing joins",
+    )
+
+
+def plot_new_objects(ax: Axes, known: list, expected: np.ndarray) -> Axes:
+    """How many different objects the first 1, 2, ... observations are of, and how many tables a restaurant expects.
+
+    Args:
+        ax: any axes.
+        known: for every room, (M,) objects among the first observations.
+        expected: (M,) tables for as many guests.
+    """
+    for seed, counts in enumerate(known):
+        line = (0, (6, 1.5 * seed)) if seed else "-"  # beside the colour, for a grey printer
+        style = {"color": class_style(seed)[0], "linestyle": line, "linewidth": 2.0}
+        ax.step(np.arange(1, len(counts) + 1), counts, where="post", label=f"room {seed}", **style)
+    ax.plot(np.arange(1, len(expected) + 1), expected, label="a restaurant expects", **TRUTH_LINE)
+    legend_beside(ax)
+    title = "the number of objects comes to rest; the restaurant's never does"
+    return label_axes(ax, "sightings (number)", "objects or tables (number)", title)

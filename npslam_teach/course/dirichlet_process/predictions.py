@@ -65,5 +65,6 @@ predict = questions(
             "To believe the prior more than the data. The sightings decide, and when there is nothing "
             "new to see the number stops."
         ),
+        alts=["Objects against sightings in four rooms: steps up to 15 or 21, then level."],
     ),
 )

@@ -1,4 +1,6 @@
-"""Deck figure 5: the frame-by-frame start."""
+"""Deck figure 5, the frame-by-frame start; and what one wrong heading does, which the deck has no figure of."""
+
+import numpy as np
 
 from npslam_teach import plotting, se2, simulate
 from npslam_teach.course.drift import pictures
@@ -20,6 +22,15 @@ def frame_by_frame_figure():
     return legend_below(figure, handles + path_handles(("estimated path", "true path", "true object")), columns=6)
 
 
+def wrong_heading_figure():
+    """Nine metres around two corners, with one turn reported 15 degrees too large."""
+    steps = np.tile([0.5, 0.0, 0.0], (18, 1))
+    steps[[7, 13], 2] = np.pi / 2  # the true corners
+    figure, ax = plotting.new_figure(size=(9.0, 4.8))
+    pictures.plot_one_wrong_turn(ax, steps, wrong=3, error=np.deg2rad(15))
+    return figure
+
+
 FIGURES = (
     FigureFile(
         "fig05_frame_by_frame_start",
@@ -27,5 +38,11 @@ FIGURES = (
         "along the path that the wheels report, each of the eight sightings is an object of its own: those seen after "
         "the wheels slipped lie 0.3 m beside the ring of the true object.",
         frame_by_frame_figure,
+    ),
+    FigureFile(
+        "fig25_one_wrong_heading",
+        "Two paths around two corners from the same start. One turn is reported 15 degrees too large; from there on "
+        "the whole estimated path is turned by 15 degrees, and its end lies 0.8 m from the true one.",
+        wrong_heading_figure,
     ),
 )

@@ -9,9 +9,11 @@ from npslam_teach.plotting.style import (
     CLASS_COLORS,
     ESTIMATE_COLOR,
     TEXT_SIZE,
+    TRUTH_COLOR,
     label_axes,
     label_map,
     legend_beside,
+    path_handles,
 )
 from npslam_teach.plotting.uncertainty import ellipse_points
 from npslam_teach.types import GroundTruth, RobotLog
@@ -36,7 +38,7 @@ def plot_two_orders(ax: Axes, steps: np.ndarray, names: tuple) -> Axes:
     plot_robots(ax, np.zeros((1, 3)))
     ax.margins(0.15)
     legend_beside(ax)
-    return label_map(ax, "the same two steps in either order")
+    return label_map(ax, "the same two steps in another order: another place")
 
 
 def plot_frame_by_frame(ax: Axes, log: RobotLog, poses: np.ndarray, truth: GroundTruth, title: str) -> Axes:
@@ -65,6 +67,51 @@ def plot_frame_by_frame(ax: Axes, log: RobotLog, poses: np.ndarray, truth: Groun
     return label_map(ax, title)
 
 
+def plot_one_wrong_turn(ax: Axes, steps: np.ndarray, wrong: int, error: float) -> Axes:
+    """A path whose heading is wrong in one step, over the true one: everything after that step is turned.
+
+    Args:
+        ax: a map.
+        steps: (N, 3) m, m, rad, the true steps.
+        wrong: index of the step whose turn is reported wrongly.
+        error: rad, by how much.
+    """
+    reported = np.array(steps, float)
+    reported[wrong, 2] += error
+    true_path, path = se2.dead_reckoning(np.asarray(steps, float)), se2.dead_reckoning(reported)
+    plot_trajectory(ax, true_path, truth=True)
+    plot_trajectory(ax, path)
+    text = {"textcoords": "offset points", "fontsize": TEXT_SIZE["label"]}
+    note = f"here one turn is reported\n{np.rad2deg(error):.0f} degrees too large"
+    ax.plot(*path[wrong + 1, :2], marker="o", markersize=11, color=CLASS_COLORS[1], zorder=4)
+    ax.annotate(note, path[wrong + 1, :2], xytext=(-8, 24), ha="right", color=CLASS_COLORS[1], **text)
+    ax.plot(*path[-1, :2], marker="X", markersize=11, color=ESTIMATE_COLOR, zorder=4)
+    ax.plot(*true_path[-1, :2], marker="X", markersize=11, color=TRUTH_COLOR, zorder=4)
+    off = np.linalg.norm(path[-1, :2] - true_path[-1, :2])
+    ax.annotate(f"the end is {off:.1f} m off", path[-1, :2], xytext=(0, -22), ha="center", **text)
+    ax.margins(0.12)
+    legend_beside(ax, path_handles(("true path", "estimated path")))
+    return label_map(ax, "one wrong heading turns all that comes after it")
+
+
+def plot_path_ellipses(ax: Axes, path: np.ndarray, covs: np.ndarray) -> Axes:
+    """A path, and at every pose the ellipse that holds its true place with a probability of 95 %.
+
+    Args:
+        ax: a map.
+        path: (T, 3) m, m, rad, W.
+        covs: (T, 2, 2) m^2.
+    """
+    plot_trajectory(ax, path)
+    plot_robots(ax, path)
+    for k, (pose, cov) in enumerate(zip(path, covs, strict=True)):
+        if np.any(cov > 0):
+            label = "95 % ellipse" if k == len(path) - 1 else None
+            ax.plot(*ellipse_points(pose[:2], cov).T, color=ELLIPSE_COLOR, linewidth=2.0, zorder=2.5, label=label)
+    legend_beside(ax)
+    return label_map(ax, "with every step the robot is less sure of its place")
+
+
 def plot_cloud(ax: Axes, ends_xy: np.ndarray, mean: np.ndarray, cov: np.ndarray) -> Axes:
     """Where many runs ended, and the ellipse that should hold 95 % of them by first-order propagation.
 
@@ -80,7 +127,7 @@ def plot_cloud(ax: Axes, ends_xy: np.ndarray, mean: np.ndarray, cov: np.ndarray)
     line = {"color": ELLIPSE_COLOR, "linewidth": 2.2, "zorder": 3}
     ax.plot(*ellipse_points(mean, cov).T, label="95 % ellipse" if first else None, **line)
     legend_beside(ax)
-    return label_map(ax)
+    return label_map(ax, "beyond 10 m the cloud bends; the ellipse cannot")
 
 
 def plot_growth(ax: Axes, predicted: np.ndarray, errors: np.ndarray) -> Axes:
@@ -98,4 +145,6 @@ def plot_growth(ax: Axes, predicted: np.ndarray, errors: np.ndarray) -> Axes:
     ax.plot(squares, color=ESTIMATE_COLOR, linewidth=2.2, linestyle="-.", label="root mean square of the runs")
     ax.plot(predicted, color=ELLIPSE_COLOR, linewidth=2.6, label="predicted by F P F$^T$ + G Q G$^T$")
     legend_beside(ax)
-    return label_axes(ax, "pose t (index)", "distance from the truth (m)", "drift along the path")
+    return label_axes(
+        ax, "pose t (index)", "distance from the truth (m)", "the error rises in waves: on the way back it shrinks"
+    )

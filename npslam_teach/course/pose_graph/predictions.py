@@ -32,6 +32,7 @@ predict = questions(
         mistake=(
             "To think of what depends on what. H has a block where two variables share a measurement, and nowhere else."
         ),
+        alts=["The numbers of H in sixteen blocks; only the two of pose 0 with pose 2 are empty."],
     ),
     gauge=choice(
         "How many of the eleven eigenvalues are zero?",

@@ -5,7 +5,7 @@ from npslam_teach.course.predict import choice, number, questions
 predict = questions(
     "00",
     first_round=choice(
-        "How many objects after one round of thought?",
+        "How many objects after one round?",
         ["about 500", "about 50", "exactly the right number"],
         right=1,
         mistake=(
@@ -24,7 +24,7 @@ predict = questions(
         ),
     ),
     drift=choice(
-        "How far off are the poses after 700 steps?",
+        "How far off are the poses, on average over 700 steps?",
         ["centimetres", "decimetres to metres", "tens of metres"],
         right=1,
         mistake=(

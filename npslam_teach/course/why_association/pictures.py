@@ -52,7 +52,7 @@ def plot_timeline(ax: Axes, events=EVENTS) -> Axes:
     ]
     ax.legend(handles=handles, loc="lower left", frameon=False, fontsize=TEXT_SIZE["legend"])
     ax.set(xlim=(1975, 2020), ylim=(0.2 - len(events), 0.8), yticks=[])
-    label_axes(ax, "year (CE)", "", "how objects came into the map, and how they were found")
+    label_axes(ax, "year (CE)", "", "the solvers are older than the detectors that can name objects")
     ax.grid(axis="y", visible=False)
     return ax
 
@@ -118,7 +118,7 @@ def plot_detections(image: Axes, bars: Axes, posteriors: np.ndarray, class_names
         label = f"{k + 1}: {class_names[best]} {posterior[best]:.2f}"
         image.text(x + width / 2, y - 8, label, ha="center", va="bottom", fontsize=12, weight="bold")
     image.set(xlim=(0, 640), ylim=(480, 0), aspect="equal")
-    label_axes(image, "column (px)", "row (px)", "boxes, each with its most likely class")
+    label_axes(image, "column (px)", "row (px)", "argmax keeps one class for each box")
     image.grid(visible=False)
     _draw_bars(bars, posteriors, class_names)
 
@@ -147,7 +147,7 @@ def _draw_bars(ax: Axes, posteriors: np.ndarray, class_names) -> None:
             ax.text(x, height + 0.015, f"{height:.2f}", ha="center", fontsize=11, weight="bold" if best else "normal")
     ax.set(ylim=(0, 1.18), xticks=np.arange(len(posteriors)) + 1, yticks=np.linspace(0, 1, 6))
     ax.legend(loc="upper center", ncols=len(class_names), frameon=False, fontsize=TEXT_SIZE["legend"])
-    label_axes(ax, "box (number)", "class posterior (probability)", "what it believes of each box")
+    label_axes(ax, "box (number)", "class posterior (probability)", "what it forgets: box 3 is nearly a screen")
     ax.grid(axis="x", visible=False)
 
 
@@ -179,7 +179,9 @@ def plot_factor_graph(ax: Axes, semantic: bool) -> Axes:
         _node(ax, xy, f"$l_{name}$", "#dcebf5")
         label = f"chair {name}: class $c_{name}$" if semantic else f"chair {name}"
         ax.text(xy[0], xy[1] + 0.65, label, ha="center", fontsize=12)
-    title = "semantic factors: shared among candidates" if semantic else "this course: one chair for each sighting"
+    title = (
+        "semantic factors: it pulls on both, more on B" if semantic else "one chair for each sighting: it pulls on B"
+    )
     ax.set_title(title, fontsize=TEXT_SIZE["title"])
     ax.set(xlim=(0.2, 7.8), ylim=(0.3, 4.7), aspect="equal")
     ax.set_axis_off()

@@ -9,8 +9,8 @@ predict = questions(
         ["in the 1970s", "in the 1990s", "in the 2010s"],
         right=0,
         mistake=(
-            "To begin with neural networks. Objects came first, because a few meaningful things were "
-            "all that a computer could handle."
+            "To begin with neural networks. The Stanford Cart drove between chairs in 1979, with a few dozen "
+            "points for a map."
         ),
         alts=[
             (
@@ -55,6 +55,7 @@ predict = questions(
     rooms=number(
         "In how many of twenty rooms does taking turns find exactly 15?",
         mistake="To say all. And to give the divided way some: it has none.",
+        alts=["The objects found in twenty rooms: divided 17 to 38, in turns mostly on the line of 15."],
     ),
     partitions=choice(
         "How many ways are there to group eight sightings?",

@@ -114,7 +114,8 @@ def test_the_map_of_belonging_ties_each_sighting_to_its_object(toy, toy_run):
     steps = half_steps(log, 0.5, log.observation_std, 1, log.odometry_std)
     for ax, now in zip(axes, steps[1:], strict=True):
         xy = se2.apply(now.graph.poses[log.obs_time], log.obs_xy)
-        pictures.plot_belonging(ax, now, log, xy, truth)
+        pictures.plot_belonging(ax, now, log, xy, truth, "a title")
+        assert ax.get_title() == "a title"
         ties = [line for line in ax.lines if line.get_color() == pictures.TIE["color"]]
         ends = np.array([line.get_xydata() for line in ties])
         np.testing.assert_allclose(ends, np.stack([xy, now.graph.landmarks[now.labels]], axis=1))
@@ -135,7 +136,14 @@ def test_half_steps_alternate_between_two_markers():
     np.testing.assert_array_equal(where.get_xydata(), [[2, 4], [4, 2]])
     assert len({who.get_marker(), where.get_marker(), start.get_marker()}) == 3
     assert axis_labels(ax) == ("half-step (number)", "objective (nats)")
+    assert ax.get_title() == "the objective rises in no half-step"
     assert_readable(figure)
+
+
+@pytest.mark.parametrize(("values", "rises"), [([9.0, 5.0, 6.0], "1 half-step"), ([9.0, 9.5, 9.6], "2 half-steps")])
+def test_half_steps_that_rise_are_counted_in_the_title(values, rises):
+    ax = plotting.new_figure()[1]
+    assert pictures.plot_half_steps(ax, values).get_title() == f"the objective rises in {rises}"
 
 
 def test_groupings_are_ranked_and_some_are_named():
@@ -145,7 +153,10 @@ def test_groupings_are_ranked_and_some_are_named():
     np.testing.assert_array_equal(ax.lines[0].get_xdata(), [3, 1, 2, 4])
     assert [line.get_xydata()[0].tolist() for line in ax.lines[1:]] == [[2.0, 5.0], [4.0, 90.0]]
     assert "nats" in ax.get_ylabel()
+    assert ax.get_title() == "all of them", "the lowest has no name here"
     assert_readable(figure)
+    pictures.plot_groupings(ax, [7.0, 3.0], {"worst": 0, "truth": 1}, "two")
+    assert ax.get_title() == "two\nlowest: truth"
 
 
 def test_split_objects_are_tied_to_their_true_place():

@@ -6,11 +6,12 @@ from exercises import assert_names_the_mistake
 from matplotlib.colors import to_hex
 from readable import assert_readable
 
-from npslam_teach import association, plotting, simulate
+from npslam_teach import association, np_graph, plotting, simulate
 from npslam_teach.association import class_posterior, count_votes, false_positives
 from npslam_teach.course.class_votes import checks, figures, pictures
 from npslam_teach.course.class_votes import explorer as class_votes_explorer
 from npslam_teach.evaluation import Metrics
+from npslam_teach.plotting.maps import laid_over_truth
 
 CLASSES = simulate.TOY_CLASSES
 
@@ -275,6 +276,22 @@ def test_runs_show_every_room_and_the_truth(ax):
         assert np.allclose(line.get_xdata(), np.arange(3), atol=0.2)
     assert len({line.get_marker() for line in found}) == len({line.get_color() for line in found}) == 3
     assert "(number)" in ax.get_ylabel() and "seed" in ax.get_xlabel()
+
+
+def test_of_two_objects_at_one_place_the_smaller_is_drawn_again_on_top(ax):
+    log, truth = simulate.toy_objects()
+    *_, last = np_graph(log, alpha=0.5)
+    before = len(plotting.plot_snapshot(plotting.new_figure()[1], last, log, truth).lines)
+    pairs = np.array([[0, 2], [1, 3]])
+    pictures.plot_doubles(ax, last, log, truth, pairs)
+    _, landmarks = laid_over_truth(last, truth)
+    counts = last.votes[:, 1:].sum(axis=1)
+    added = ax.lines[before:]
+    assert len(added) == 2 and max(line.get_zorder() for line in added) > 3
+    for line, (i, j) in zip(added, pairs, strict=True):
+        smaller = i if counts[i] <= counts[j] else j
+        assert np.allclose(line.get_xydata(), landmarks[smaller])
+    assert ax.get_title() == f"{last.num_objects} objects for 4 things: 2 pairs of two classes at one place"
 
 
 @pytest.mark.parametrize("entry", figures.FIGURES, ids=lambda entry: entry.name)

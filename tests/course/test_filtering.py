@@ -175,6 +175,7 @@ def test_beliefs_are_gaussians(ax):
     assert true.get_linestyle() == "--" and set(true.get_xdata()) == {3.3}
     assert len({(line.get_color(), line.get_linestyle()) for line in ax.lines}) == 3
     assert "(m)" in ax.get_xlabel() and "(1/m)" in ax.get_ylabel()
+    assert ax.get_title() == "the narrowest belief: wall, with a standard deviation of 0.20 m"
 
 
 def test_names_count_within_a_class():
@@ -216,6 +217,14 @@ def test_nis_is_averaged_over_windows(ax):
     labels = [text.get_text() for text in ax.get_legend().get_texts()]
     assert labels == ["mine", "another", "90% band of a consistent filter"]
     assert ax.get_yscale() == "log" and "(index)" in ax.get_xlabel()
+    assert ax.get_title().endswith("band: mine, another")
+
+
+def test_only_consistent_filters_are_named_in_the_title(ax):
+    records = {"right": record_of([2.0] * 6, [2] * 6), "over-confident": record_of([80.0] * 6, [2] * 6)}
+    assert pictures.plot_nis(ax, records, window=3).get_title().endswith("band: right")
+    alone = pictures.plot_nis(plotting.new_figure()[1], {"over-confident": records["over-confident"]}, window=3)
+    assert alone.get_title().endswith("band: none")
 
 
 def test_the_spread_has_a_dot_for_every_room(ax):
@@ -230,6 +239,7 @@ def test_the_spread_has_a_dot_for_every_room(ax):
     assert dots[0].get_marker() == dots[1].get_marker() == "v"
     assert dots[2].get_marker() == "*"
     assert ax.yaxis_inverted() and "(m" in ax.get_xlabel()
+    assert ax.get_title().startswith("least error in the worst room: graph after ekf\n")
 
 
 # --- the explorer ----------------------------------------------------------------------------------------------------

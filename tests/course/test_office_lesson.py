@@ -142,6 +142,8 @@ def test_the_view_from_above_shows_the_three_centres(frame):
     num_points = len(points_in_box(frame[0].depth, box, frame[0].intrinsics))
     assert len(lines["background"]) + len(lines["foreground"]) == num_points
     np.testing.assert_allclose(lines["true centre"][0], frame[1].obs_xy[1])
+    off = [np.linalg.norm(lines[f"centre: {use}"][0] - frame[1].obs_xy[1]) for use in ("mean", "foreground")]
+    assert ax.get_title() == f"from above: mean off by {off[0]:.2f} m,\nforeground off by {off[1]:.2f} m"
     assert ax.get_aspect() == 1.0
 
 
@@ -177,6 +179,7 @@ def test_the_measures_have_a_point_for_every_run(run):
     valid_objects = [line.get_xdata() for line in figure.axes[0].lines if line.get_marker() != "None"]
     assert [list(each) for each in valid_objects] == [[q.num_valid for q in runs] for runs in qualities.values()]
     assert [label.get_text() for label in figure.axes[0].get_yticklabels()] == list(results)
+    assert all(ax.get_title() for ax in figure.axes)
 
 
 @pytest.fixture(params=FIGURES, ids=lambda entry: entry.name)

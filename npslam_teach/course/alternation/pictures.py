@@ -46,7 +46,9 @@ def member_names(labels: np.ndarray) -> list[str]:
     return ["Obj_" + "+".join(str(k) for k in ks) for ks in members]
 
 
-def plot_belonging(ax: Axes, snapshot: Snapshot, log: RobotLog, xy: np.ndarray, truth: GroundTruth) -> Axes:
+def plot_belonging(
+    ax: Axes, snapshot: Snapshot, log: RobotLog, xy: np.ndarray, truth: GroundTruth, title: str = ""
+) -> Axes:
     """Map of a small scene: every observation with its name, and a line to its estimated object.
 
     The estimate is not aligned to the truth: pose 0 is the origin of both.
@@ -57,6 +59,7 @@ def plot_belonging(ax: Axes, snapshot: Snapshot, log: RobotLog, xy: np.ndarray, 
         log: what it was made from.
         xy: (M, 2) m, W: each observation carried into the room along the estimated path.
         truth: dashed grey behind.
+        title: of the map.
     """
     names = truth.world.class_names
     plot_trajectory(ax, truth.poses, truth=True)
@@ -68,7 +71,7 @@ def plot_belonging(ax: Axes, snapshot: Snapshot, log: RobotLog, xy: np.ndarray, 
             ax.plot(*np.stack([xy[k], snapshot.graph.landmarks[label]]).T, **TIE)
     _name_observations(ax, snapshot.labels, xy)
     ax.margins(x=0.1, y=0.12)
-    return label_map(ax)
+    return label_map(ax, title)
 
 
 def _name_observations(ax: Axes, labels: np.ndarray, xy: np.ndarray, within: float = 0.1) -> None:
@@ -104,7 +107,9 @@ def plot_half_steps(ax: Axes, values) -> Axes:
     ax.plot(0, values[0], "D", color=TRUTH_COLOR, markersize=8, label="start", zorder=2.5)
     ax.legend(loc="upper right", frameon=False, fontsize=TEXT_SIZE["legend"])
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    return label_axes(ax, "half-step (number)", "objective (nats)")
+    rises = np.count_nonzero(np.diff(values) > 1e-6)
+    title = f"the objective rises in {rises or 'no'} half-step{'s' if rises > 1 else ''}"
+    return label_axes(ax, "half-step (number)", "objective (nats)", title)
 
 
 def plot_groupings(ax: Axes, objectives, marked: dict[str, int], title: str) -> Axes:
@@ -114,7 +119,7 @@ def plot_groupings(ax: Axes, objectives, marked: dict[str, int], title: str) -> 
         ax: any axes.
         objectives: (G,) positive, after the solver, one of each grouping.
         marked: name of a grouping to its index in ``objectives``.
-        title: of the plot.
+        title: of the plot; the lowest grouping is added if it is marked.
     """
     objectives = np.asarray(objectives, dtype=float)
     rank = np.empty(len(objectives), dtype=int)
@@ -129,6 +134,8 @@ def plot_groupings(ax: Axes, objectives, marked: dict[str, int], title: str) -> 
     ax.yaxis.set_major_formatter(ScalarFormatter())
     ax.yaxis.set_minor_locator(NullLocator())
     ax.legend(loc="upper left", frameon=False, fontsize=TEXT_SIZE["legend"])
+    lowest = [name for name, index in marked.items() if rank[index] == 1]
+    title += f"\nlowest: {lowest[0]}" if lowest else ""
     return label_axes(ax, "rank (number)", "objective (nats, log scale)", title)
 
 

@@ -56,9 +56,9 @@ predict = questions(
         ),
     ),
     own_vote=choice(
-        "The own vote is not taken back: what happens?",
+        "A sighting's own vote is not taken back: what happens?",
         ["nothing changes", "every sighting keeps to itself", "all merge into one"],
         right=1,
-        mistake="To call it a detail. At distance zero nobody beats one's own vote.",
+        mistake="To call it a detail. Each sighting is at distance zero from itself, and nothing is nearer.",
     ),
 )

@@ -58,7 +58,7 @@ predict = questions(
         ["about 15", "about 20", "about twice too many", "hundreds"],
         right=2,
         mistake=("To think that the majority of votes corrects errors. The errors never vote on the same object."),
-        alts=["Map: in most rings of true chairs and screens lie both a chair and a screen."],
+        alts=["Map: in most rings of true chairs and screens lie two marks, a chair on a screen."],
     ),
     one_each=choice(
         "One sighting of each: the probabilities? And after 20 and 10?",

@@ -26,7 +26,10 @@ def plot_rooms(ax: Axes, found, errors, num_objects_true: int = 15) -> Axes:
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set_ylim(bottom=0.0)
     legend_beside(ax)
-    return label_axes(ax, "objects found (number)", "mean pose error (m)", f"{len(found)} rooms")
+    title = f"{exact.sum()} of {len(found)} rooms find {num_objects_true}"
+    if 0 < exact.sum() < len(found):
+        title += f"\nmedian error {np.median(errors[exact]):.2f} m there, {np.median(errors[~exact]):.2f} m elsewhere"
+    return label_axes(ax, "objects found (number)", "mean pose error (m)", title)
 
 
 def plot_settings(ax: Axes, counts: np.ndarray, alphas, thresholds, num_objects_true: int = 15) -> Axes:

@@ -49,7 +49,9 @@ def plot_beliefs(ax: Axes, beliefs: dict, true_x: float) -> Axes:
     ax.axvline(true_x, label="true position", **TRUTH_LINE)
     ax.set_ylim(bottom=0.0)
     legend_beside(ax)
-    return label_axes(ax, "position in the corridor (m)", "density (1/m)", "what the robot believes")
+    surest = min(beliefs, key=lambda name: beliefs[name][1])
+    title = f"the narrowest belief: {surest}, with a standard deviation of {np.sqrt(beliefs[surest][1]):.2f} m"
+    return label_axes(ax, "position in the corridor (m)", "density (1/m)", title)
 
 
 def object_names(object_class: np.ndarray, class_names: tuple) -> list[str]:
@@ -182,20 +184,20 @@ def plot_nis(ax: Axes, records: dict, window: int = 50, probability: float = 0.9
     """
     from scipy.stats import chi2
 
+    tail, inside = (1 - probability) / 2, []
     for k, (name, record) in enumerate(records.items()):
         middle, average, dof = nis_in_windows(record.nis, record.nis_dof, window)
         line = {"color": BELIEF_COLORS[k % 4], "linestyle": BELIEF_LINES[k % 4], "marker": CLASS_MARKERS[k % 4]}
         ax.plot(middle, average, linewidth=2.2, label=name, **line)
-    tail = (1 - probability) / 2
-    low, high = chi2.ppf(tail, dof) / dof, chi2.ppf(1 - tail, dof) / dof
+        low, high = chi2.ppf(tail, dof) / dof, chi2.ppf(1 - tail, dof) / dof
+        inside += [name] if np.mean((low <= average) & (average <= high)) > 0.5 else []
     band = f"{probability:.0%} band of a consistent filter"
     ax.fill_between(middle, low, high, color="0.85", zorder=0.5, label=band)
     ax.set_yscale("log")
     _plain_numbers(ax.yaxis)
     legend_beside(ax)
-    return label_axes(
-        ax, "pose t (index)", "NIS per number measured (log scale)", "is the filter as sure as it may be?"
-    )
+    title = f"consistent, mostly within the band: {', '.join(inside) or 'none'}"
+    return label_axes(ax, "pose t (index)", "NIS per number measured (log scale)", title)
 
 
 def plot_spread(ax: Axes, errors: dict) -> Axes:
@@ -217,7 +219,9 @@ def plot_spread(ax: Axes, errors: dict) -> Axes:
     _plain_numbers(ax.xaxis)
     ax.set_yticks(range(len(errors)), list(errors))
     ax.invert_yaxis()
-    return label_axes(ax, "mean pose error (m, log scale)", "method", "one dot per room, a bar at the median")
+    best = min(errors, key=lambda name: max(errors[name]))
+    title = f"least error in the worst room: {best}\n(a dot is a room, a bar the median)"
+    return label_axes(ax, "mean pose error (m, log scale)", "method", title)
 
 
 def spread_style(name: str) -> dict:

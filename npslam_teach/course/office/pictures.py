@@ -91,13 +91,16 @@ def plot_box_from_above(ax: Axes, frame, box, true_xy=None) -> Axes:
     front, xy = foreground(points), on_floor(points)
     ax.plot(*xy[~front].T, ".", color=TRUTH_COLOR, markersize=3, label="background", zorder=1.5)
     ax.plot(*xy[front].T, ".", color="#4b98dc", markersize=4, label="foreground", zorder=1.8)
+    centres, title = {use: centroid_from_box(frame.depth, box, frame.intrinsics, use) for use in CENTRES}, "from above"
     for use, (marker, color) in CENTRES.items():
         looks = {"marker": marker, "color": color, "markersize": 13, "markeredgecolor": "white", "linestyle": "none"}
-        ax.plot(*centroid_from_box(frame.depth, box, frame.intrinsics, use), label=f"centre: {use}", zorder=3, **looks)
+        ax.plot(*centres[use], label=f"centre: {use}", zorder=3, **looks)
     if true_xy is not None:
+        off = [f"{use} off by {np.linalg.norm(centres[use] - true_xy):.2f} m" for use in ("mean", "foreground")]
+        title = f"from above: {off[0]},\n{off[1]}"
         ring = {"marker": "o", "markersize": 20, "markerfacecolor": "none", "markeredgecolor": TRUTH_COLOR}
         ax.plot(*true_xy, linestyle="none", markeredgewidth=2, label="true centre", zorder=2.5, **ring)
-    label_map(ax, "points in the box, from above")
+    label_map(ax, title)
     ax.set(xlabel="ahead (m)", ylabel="left (m)")
     return legend_beside(ax)
 
@@ -121,7 +124,10 @@ def plot_cloud(ax: Axes3D, frame, box, every: int = 3) -> Axes3D:
         ax.scatter(points[:, 2], -points[:, 0], -points[:, 1], c=color, s=size, depthshade=False, linewidths=0)
     ax.set_box_aspect(np.ptp(everything[:, [2, 0, 1]], axis=0), zoom=0.95)
     ax.view_init(elev=30, azim=-140)
-    return _label_space(ax, ("ahead (m)", "left (m)", "up (m)"), "point cloud (blue: in the box)")
+    _label_space(ax, ("ahead (m)", "left (m)", "up (m)"), "point cloud: in the box (blue) is more than the chair")
+    ax.zaxis.set_rotate_label(False)  # it would stand on its head
+    ax.zaxis.label.set_rotation(90)
+    return ax
 
 
 def plot_office_3d(ax: Axes3D, snapshot: Snapshot, log: RobotLog, truth: GroundTruth | None = None) -> Axes3D:
@@ -206,17 +212,17 @@ def quality_figure(qualities: dict[str, list], num_true: float | None = None) ->
     """
     figure, axes = new_figure(1, 3, (13.0, 3.4), sharey=True)
     measures = {
-        "num_valid": "valid objects (number)",
-        "num_inliers": "inlier sightings (number)",
-        "position_variance": "variance of positions (m²)",
+        "num_valid": ("valid objects (number)", "best near the true number (dashed)"),
+        "num_inliers": ("inlier sightings (number)", "more is better"),
+        "position_variance": ("variance of positions (m²)", "small alone proves nothing"),
     }
-    for ax, (measure, label) in zip(axes, measures.items(), strict=True):
+    for ax, (measure, (label, title)) in zip(axes, measures.items(), strict=True):
         for row, (name, runs) in enumerate(qualities.items()):
             values = np.array([getattr(each, measure) for each in runs], dtype=float)
             looks = {key: method_style(name)[key] for key in ("color", "marker")}
             spread = row + 0.24 * np.linspace(-1, 1, len(values))  # on one line equal values would hide each other
             ax.plot(values, spread, linestyle="none", markersize=8, markeredgecolor="white", **looks)
-        label_axes(ax, label, "")
+        label_axes(ax, label, "", title)
         ax.set_xlim(left=min(0.0, ax.get_xlim()[0]))
     axes[0].set_yticks(range(len(qualities)), list(qualities))
     axes[0].invert_yaxis()

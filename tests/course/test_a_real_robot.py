@@ -194,7 +194,8 @@ def test_errors_are_drawn_pass_by_pass():
 def test_growth_is_drawn_in_errors_of_one_step():
     figure, ax = plotting.new_figure()
     values = np.array([[0.1, 0.2, 0.4], [0.2, 0.5, 0.9]])
-    pictures.plot_growth(ax, {"two runs": ([1, 4, 16], values)})
+    pictures.plot_growth(ax, {"two runs": ([1, 4, 16], values)}, "ahead")
+    assert ax.get_title() == "ahead: two runs 1.1 times root n"
     np.testing.assert_allclose(ax.lines[0].get_ydata(), np.median(values / values[:, :1], axis=0))
     np.testing.assert_allclose(ax.lines[1].get_ydata(), [1, 2, 4])
     assert_texts_inside(figure)
@@ -244,6 +245,15 @@ def test_methods_have_a_mark_a_recording_and_a_bar_at_the_median():
         np.testing.assert_allclose(ax.lines[2 * k].get_xdata(), values)
         assert ax.lines[2 * k + 1].get_xdata() == [np.median(values)]
     assert [label.get_text() for label in ax.get_yticklabels()] == list(rows)
+    assert ax.get_title() == "lowest median: ekf"
+    assert_texts_inside(figure)
+
+
+def test_the_title_names_the_method_nearest_to_the_goal():
+    figure = pictures.over_recordings_figure({name: Case(name) for name in ("np-graph", "ekf", "posterior")})
+    medians = {name: np.median(table.column("pose_error", name)) for name in ("np-graph", "ekf", "posterior")}
+    titles = ["median nearest to 15: posterior", f"lowest median: {min(medians, key=medians.get)}"]
+    assert [ax.get_title() for ax in figure.axes] == titles
     assert_texts_inside(figure)
 
 

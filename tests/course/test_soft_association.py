@@ -122,16 +122,19 @@ def test_pairs_are_drawn_as_wide_as_they_are_probable(ax):
     assert [line.get_linewidth() for line in ax.lines[:4]] == [2.0, 4.0, 0.0, 8.0]
     assert {"0.25", "0.50", "0.00", "1.00"} <= {text.get_text() for text in ax.texts}
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("x (m)", "y (m)")
+    assert ax.get_title() == "t: obs 1 of chair 2, obs 2 of chair 2"
 
 
 def test_beliefs_and_em_are_drawn_as_given(ax):
     beliefs = np.array([[0.5, 0.5], [0.9, 0.1]])
     pictures.plot_beliefs(ax, beliefs, ("cup", "book"), "t")
     np.testing.assert_array_equal([line.get_ydata() for line in ax.lines], beliefs.T)
+    assert ax.get_title() == "t: cup 0.900"
     other = plotting.new_figure()[1]
     pictures.plot_em(other, [np.array([1.0, 2.0]), np.array([0.5, 2.5])], np.array([0.4, 2.6]), "t")
     moved = [line for line in other.lines if len(line.get_ydata()) == 2 and line.get_marker() != "None"]
     np.testing.assert_array_equal([line.get_xdata() for line in moved], [[1.0, 0.5], [2.0, 2.5]])
+    assert other.get_title() == "t: 0.50 and 2.50 m at the end"
 
 
 @pytest.mark.parametrize("quantity", pictures.QUANTITIES)
@@ -141,6 +144,33 @@ def test_runs_are_medians_of_the_table(ax, quantity):
         expected = [np.median(table.column(quantity, case, share)) for share in SHARES]
         np.testing.assert_allclose(container[0].get_ydata(), expected)
         assert container.get_label() == case
+    ends = [np.median(table.column(quantity, case, SHARES[-1])) for case in ("np-graph", "soft-em")]
+    assert ax.get_title() == f"50% wrong: np-graph {ends[0]:.2g}, soft-em {ends[1]:.2g}"
+
+
+def test_what_is_left_of_the_gate_is_drawn():
+    figure = pictures.gates_figure({0.3: np.array([3.4, 2.7]), 0.01: np.array([3.5, 0.7])})
+    (ax,) = figure.axes
+    np.testing.assert_allclose([bar.get_height() for bar in ax.patches], [3.4, 3.5, 2.7, 0.7])
+    assert ax.get_title() == "a wrong report leaves a gate of 2.7 and 0.7 st. deviations"
+    assert_readable(figure)
+
+
+def test_gaps_have_a_mark_a_run_and_their_mean():
+    figure = pictures.gaps_figure({"sum": [0.25, 0.29], "max": [0.3, 0.32]}, true=0.3)
+    truth, *lines = figure.axes[0].lines
+    assert set(truth.get_xdata()) == {0.3}
+    assert [float(np.mean(line.get_xdata())) for line in lines] == pytest.approx([0.27, 0.27, 0.31, 0.31])
+    assert figure.axes[0].get_title() == "the gap is off by: sum -3.0 cm, max +1.0 cm"
+    assert_readable(figure)
+
+
+def test_rooms_with_the_right_number_are_those_of_the_table():
+    figure = pictures.too_sure_figure()
+    for line, case in zip(figure.axes[0].lines, ("soft-em", "overconfident"), strict=True):
+        right = [np.sum(table.column("objects", case, share) == 15) for share in SHARES]
+        np.testing.assert_array_equal(line.get_ydata(), right)
+    assert_readable(figure)
 
 
 def test_every_case_has_a_look_of_its_own():

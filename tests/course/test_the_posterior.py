@@ -12,7 +12,7 @@ from readable import assert_readable
 from npslam_teach import association, plotting, se2
 from npslam_teach.association.dirichlet_process import log_partition_prior
 from npslam_teach.association.partition_posterior import joint_system, log_posterior, plain_weights
-from npslam_teach.course.the_posterior import checks, figures, pictures, scenes
+from npslam_teach.course.the_posterior import checks, figures, hand_pictures, pictures, scenes
 from npslam_teach.course.the_posterior.explorer import ExactPosterior, explore_annealing, explore_posterior
 from npslam_teach.evaluation.reliability import Reliability, reliability
 from npslam_teach.pose_graph import fit, linearize
@@ -212,6 +212,7 @@ def test_bars_are_the_most_probable_partitions(ax):
     np.testing.assert_allclose(widths, np.sort(p)[::-1])
     texts = [text.get_text() for text in ax.texts]
     assert texts[0].startswith(f"{p.max():.3f}  {pictures.partition_name(partitions[int(p.argmax())])}")
+    assert ax.get_title() == f"of {len(p)} partitions two hold {np.sort(p)[-2:].sum():.2f}"
     assert [("(true)" in text) for text in texts].index(True) == np.argsort(-p).tolist().index(3)
 
 
@@ -230,6 +231,7 @@ def test_bars_of_the_number_of_objects(ax):
     heights = {round(bar.get_x() + bar.get_width() / 2, 6): bar.get_height() for bar in ax.patches}
     assert heights[14.8] == 0.7 and heights[15.8] == 0.3 and heights[14.2] == 1.0
     assert [text.get_text() for text in ax.get_legend().get_texts()] == ["true number: 15", "a", "b"]
+    assert ax.get_title() == "probability of 15: a 0.70, b 0.00"
 
 
 def test_the_matrix_is_sorted_by_object(ax):
@@ -259,8 +261,35 @@ def test_running_means():
 def test_reliability_has_a_point_for_every_group(ax):
     table = Reliability(np.array([0.1, 0.8]), np.array([0.2, 0.7]), np.array([10, 30]), np.array([0.1, 0.2]))
     pictures.plot_reliability(ax, table, "right?")
+    assert ax.get_title() == "right?:\n2 of 2 groups as it should be"
     points = next(line for line in ax.lines if line.get_marker() == "o")
     np.testing.assert_allclose(points.get_xydata(), [[0.1, 0.2], [0.8, 0.7]])
+
+
+def test_moves_are_bars_by_place_and_case():
+    figure = hand_pictures.moves_figure({"A": {"A": 0.9, "new": 0.1}, "B": {"A": 0.2, "new": 0.8}})
+    (ax,) = figure.axes
+    assert [bar.get_height() for bar in ax.patches] == [0.9, 0.1, 0.2, 0.8]
+    assert_readable(figure)
+
+
+def test_running_shares_end_at_the_mean_of_each_chain():
+    chains = np.random.default_rng(0).random((4, 60)) < 0.4
+    figure = hand_pictures.running_share_figure(chains, 0.37, "8 is with B")
+    (ax,) = figure.axes
+    np.testing.assert_allclose([line.get_ydata()[-1] for line in ax.lines[:4]], chains.mean(axis=1))
+    assert f"{chains.mean(axis=1).min():.2f} to {chains.mean(axis=1).max():.2f}" in ax.get_title()
+    assert_readable(figure)
+
+
+def test_the_chairs_of_the_corridor_are_densities():
+    figure = hand_pictures.corridor_figure(np.array([1.0, 1.4]), np.array([0.1, 0.2]))
+    (ax,) = figure.axes
+    for line, place in zip(ax.lines, (1.0, 1.4), strict=True):
+        x, density = line.get_data()
+        assert np.trapezoid(density, x) == pytest.approx(1.0, abs=1e-3)
+        assert x[np.argmax(density)] == pytest.approx(place, abs=0.01)
+    assert_readable(figure)
 
 
 def test_atoms_are_as_large_as_their_weights(ax):

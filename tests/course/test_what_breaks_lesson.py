@@ -188,6 +188,47 @@ def test_the_table_of_shares_says_what_the_table_says():
     assert_readable(figure)
 
 
+def test_titles_say_what_the_table_says(ax):
+    pictures.plot_success(ax, {"a": "np-graph", "b": "ekf"}, of_used=("b",))
+    own, others = (table.share_of(case, 3.0, of_used)[0] for case, of_used in (("np-graph", False), ("ekf", True)))
+    assert ax.get_title() == f"right at noise 3, of 30 rooms: a: {own}; b: {others}"
+    other = plotting.new_figure()[1]
+    pictures.plot_setting(other, "kernel_std")
+    best = max(table.share_of(case, 3.0)[0] for case in table.swept("kernel_std").values())
+    assert other.get_title() == f"noise 3: at best {best} of 30 rooms"
+
+
+def test_one_curve_alone_is_not_shifted(ax):
+    pictures.plot_setting(ax, "kernel_std", chosen=1.0)
+    np.testing.assert_array_equal(ax.lines[0].get_xdata(), np.arange(len(table.swept("kernel_std"))))
+
+
+def test_an_interval_runs_where_wilson_says(ax):
+    pictures.plot_interval(ax, (0, 26, 30), 30)
+    for count, line in zip((0, 26, 30), ax.lines[1:], strict=True):
+        np.testing.assert_allclose(line.get_xdata(), evaluation.wilson_interval(count, 30))
+        assert set(line.get_ydata()) == {count}
+    assert ax.get_title() == "30 of 30 right: the true share may be as low as 0.89"
+    assert_readable(ax.figure)
+
+
+def test_half_a_metre_is_two_distances():
+    figure, axes = plotting.new_figure(1, 2, (12, 3.6))
+    cov = 0.0025 * np.eye(3) + 0.1 * np.outer([0, 1, 1], [0, 1, 1])
+    pictures.plot_half_metres(axes, np.array([2.0, 2.5, 3.0]), cov)
+    spans = [np.ptp(bar[:, 0]) / 2 for bar in axes[1].containers[0][2][0].get_segments()]
+    np.testing.assert_allclose(spans, np.sqrt([0.105, 0.005]))
+    assert axes[1].get_title() == "from one chair: 1.5 and 7.1 st. deviations"
+    assert_readable(figure)
+
+
+def test_the_room_to_show_is_ringed(ax):
+    pictures.plot_room_to_show(ax, [15, 21, 18], [0.3, 0.1, 0.2])
+    ring = ax.lines[-1]
+    assert (ring.get_xdata()[0], ring.get_ydata()[0]) == (21, 0.1)
+    assert ax.get_legend().get_texts()[-1].get_text() == "the room to show"
+
+
 def test_figure_21_shows_passes_at_three_noises_and_one_kernel():
     figure = figures.drift_figure()
     spans = []
@@ -250,6 +291,8 @@ def test_pairs_of_passes_are_those_of_the_dense_inverse(room):
 def test_pairs_are_all_drawn(ax, room):
     pairs = passes.pairs_of_passes(*room)
     pictures.plot_pairs(ax, pairs, 0.9, 3.0)
+    far, beyond = (np.sum(pairs.same & (d > limit)) for d, limit in ((pairs.metres, 0.9), (pairs.deviations, 3.0)))
+    assert ax.get_title() == f"of {pairs.same.sum()} true pairs the kernel turns away {far}, the gate {beyond}"
     others, same = ax.lines[:2]
     assert len(same.get_xdata()) == pairs.same.sum() and len(others.get_xdata()) == (~pairs.same).sum()
     assert set(ax.lines[2].get_xdata()) == {0.9} and set(ax.lines[3].get_ydata()) == {3.0}

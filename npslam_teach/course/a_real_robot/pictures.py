@@ -2,6 +2,7 @@
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
@@ -18,6 +19,7 @@ from npslam_teach.plotting.style import (
     label_map,
     legend_beside,
     method_style,
+    new_figure,
     path_handles,
 )
 from npslam_teach.types import GroundTruth, RobotLog
@@ -26,7 +28,7 @@ MEDIAN = {"color": ESTIMATE_COLOR, "marker": "|", "markersize": 26, "markeredgew
 KNOWN_LOOK = {"color": "0.45", "marker": "X"}
 
 
-def plot_wheels(ax: Axes, log: RobotLog, truth: GroundTruth, title: str = "what the wheels say") -> Axes:
+def plot_wheels(ax: Axes, log: RobotLog, truth: GroundTruth, title: str = "the wheels' path drifts off") -> Axes:
     """A map of the true path and landmarks, and of the path that the wheels tell from the same first pose."""
     plot_truth(ax, truth)
     plot_trajectory(ax, se2.dead_reckoning(log.odometry, truth.poses[0]))
@@ -91,27 +93,34 @@ def plot_visits(ax: Axes, seen: np.ndarray, drift: np.ndarray) -> Axes:
     look = {"color": ESTIMATE_COLOR, "marker": "_", "markersize": 30, "markeredgewidth": 2.5, "linestyle": "none"}
     ax.plot(np.arange(len(seen)), drift, label="drift", **look)
     legend_beside(ax)
-    return label_axes(ax, "pass (number)", "seen at (m)")
+    return label_axes(ax, "pass (number)", "seen at (m)", "a pass agrees with itself, not with drift or truth")
 
 
-def plot_growth(ax: Axes, curves: dict) -> Axes:
+def plot_growth(ax: Axes, curves: dict, what: str) -> Axes:
     """How errors grow over steps, in multiples of the error of one, on logarithmic axes.
 
     Args:
         ax: any axes.
-        curves: name to ((n,) steps, (R, n) errors of several runs).
+        curves: name to ((n,) steps, (R, n) errors of several runs); the title tells where the first one ends.
+        what: errs.
     """
     for k, (name, (steps, grown)) in enumerate(curves.items()):
         ratio, (color, marker) = grown / grown[:, :1], class_style(k)
         ax.fill_between(steps, ratio.min(axis=0), ratio.max(axis=0), color=color, alpha=0.2, linewidth=0)
         ax.plot(steps, np.median(ratio, axis=0), color=color, marker=marker, markersize=7, label=name)
-    steps = np.array(steps)
+    steps, (first, (_, grown)) = np.array(steps), next(iter(curves.items()))
+    times = np.median(grown[:, -1] / grown[:, 0]) / np.sqrt(steps[-1])
     ax.plot(steps, np.sqrt(steps), label="root of n", **TRUTH_LINE)
     ax.set(xscale="log", yscale="log")
     _plain(ax.xaxis)
     _plain(ax.yaxis)
     legend_beside(ax)
-    return label_axes(ax, "steps n (number, log scale)", "error of n steps (errors of one, log scale)")
+    return label_axes(
+        ax,
+        "steps n (number, log scale)",
+        "error of n steps (errors of one, log scale)",
+        f"{what}: {first} {times:.1f} times root n",
+    )
 
 
 def plot_noise(ax: Axes, everything: np.ndarray, by_pass: np.ndarray, title: str = "") -> Axes:
@@ -152,6 +161,7 @@ def plot_honesty(axes, chi2_per_dof: np.ndarray, nees: np.ndarray, dof: int) -> 
     cases = ((chi2_per_dof, "chi2 per degree of freedom", "without the truth"), (nees, "NEES / 2", "with the truth"))
     for k, (ax, (values, name, title)) in enumerate(zip(axes, cases, strict=True)):
         color, marker = class_style(k)
+        title += f": median {np.median(values):.2g}"
         if k == 0:
             ax.axhspan(low, high, color="0.85")
             title += " (grey: 95 % of honest graphs)"
@@ -183,7 +193,18 @@ def plot_over_recordings(ax: Axes, name: str, rows: dict, x_label: str, best: fl
     ax.set_yticks(range(len(rows)), list(rows))
     ax.set(xscale="log", ylim=(len(rows) - 0.5, -0.5))
     _plain(ax.xaxis)
-    return label_axes(ax, x_label, "what was run (name)" if ax.get_subplotspec().is_first_col() else "")
+    own = {row: np.median(table.column(name, *case)) for row, case in rows.items() if case[0] != KNOWN}
+    nearest = min(own, key=lambda row: abs(own[row] - (best or 0.0)))
+    title = f"{'lowest median' if best is None else f'median nearest to {best:g}'}: {nearest}"
+    return label_axes(ax, x_label, "what was run (name)" if ax.get_subplotspec().is_first_col() else "", title)
+
+
+def over_recordings_figure(rows: dict) -> Figure:
+    """Objects and errors of the path of every recording, side by side; see ``plot_over_recordings``."""
+    figure, axes = new_figure(1, 2, (14.0, 4.6), sharey=True)
+    plot_over_recordings(axes[0], "objects", rows, "objects (number, log scale)", 15)
+    plot_over_recordings(axes[1], "pose_error", rows, "mean pose error (m, log scale)")
+    return figure
 
 
 def plot_factors(ax: Axes, name: str, y_label: str, best: float | None = None) -> Axes:

@@ -47,7 +47,7 @@ predict = questions(
         alts=["", "chi2 per degree of freedom is at most about 1; NEES over 2 mostly well above."],
     ),
     who_is_best=choice(
-        "Who is best at number, partition and path?",
+        "Of NP-graph, EKF and posterior: who is best at number, partition and path?",
         [
             "NP-graph at all",
             "one method at all three",
@@ -78,8 +78,9 @@ predict = questions(
         ["they merge; yes", "they split; yes", "they split; no"],
         right=1,
         mistake=(
-            "To rely on what is said of splitting, that χ² is deaf to it. Here what remains does not "
+            "To trust the rule that splitting always looks good to χ². Here the residuals that remain do not "
             "fit the small noise either."
         ),
+        alts=["Objects and path errors: far off with the data sheet, near 15 with the estimate but for NP-graph."],
     ),
 )

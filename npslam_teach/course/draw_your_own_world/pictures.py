@@ -4,14 +4,17 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from npslam_teach.course.draw_your_own_world.messages import SolvedWorld
+from npslam_teach.course.draw_your_own_world.messages import SolvedWorld, num_seen
 from npslam_teach.plotting.maps import laid_over_truth, map_handles, plot_snapshot
 from npslam_teach.plotting.style import (
+    CLASS_COLORS,
     ESTIMATE_LINE,
     TRUTH_LINE,
+    class_style,
     label_axes,
     label_map,
     legend_below,
+    legend_beside,
     new_figure,
 )
 
@@ -37,11 +40,50 @@ def pair_figure(solved: SolvedWorld, cured: SolvedWorld, titles: tuple[str, str]
     for ax, world, title in zip(axes, (solved, cured), titles, strict=False):
         last = world.snapshots[-1]
         plot_snapshot(ax, last, world.log, world.truth, legend=False)
-        label_map(ax, f"{title}: {last.num_objects} objects").set(xlim=limits[0], ylim=limits[1])
+        count = f"{last.num_objects} objects, {num_seen(world)} are there"
+        label_map(ax, f"{title}: {count}").set(xlim=limits[0], ylim=limits[1])
     if is_long:
         _plot_bend(axes[2], solved).set_xlim(limits[0])
     handles = map_handles([solved.snapshots[-1]], solved.truth, solved.truth.world.class_names)
     legend_below(figure, handles, columns=9)
+    return figure
+
+
+def tremor_figure(drawn: np.ndarray, smooth: np.ndarray) -> Figure:
+    """A line as a hand draws it, and averaged along its length; the height is stretched.
+
+    Args:
+        drawn: (N, 2) m.
+        smooth: (M,) m, averaged heights, of the points in the middle of ``drawn``.
+    """
+    figure, ax = new_figure(size=(9.0, 3.6))
+    cut = (len(drawn) - len(smooth)) // 2
+    ax.plot(*drawn.T, color=CLASS_COLORS[5], linewidth=1.0, label="drawn")
+    ax.plot(drawn[cut : cut + len(smooth), 0], smooth, label="averaged", **ESTIMATE_LINE | {"linewidth": 2.5})
+    legend_beside(ax)
+    title = f"a tremor of {100 * drawn[:, 1].std():.1f} cm becomes {100 * smooth.std():.1f} cm"
+    label_axes(ax, "x (m)", "y (m), stretched", title)
+    return figure
+
+
+def alarms_figure(alarms: dict, limit: float = 3.0) -> Figure:
+    """What each world's runs say of themselves: how far chi2 is too high, and how many objects were seen once.
+
+    Args:
+        alarms: by title: (2, N), chi2 in standard deviations above 1 and lone objects, of every run.
+        limit: of chi2, dashed.
+    """
+    figure, axes = new_figure(1, 2, (13.0, 4.4), sharey=True)
+    for k, values in enumerate(alarms.values()):
+        for ax, own in zip(axes, values, strict=True):
+            color, marker = class_style(k)
+            ax.plot(own, k + 0.2 * np.linspace(-1, 1, len(own)), marker, color=color, markeredgecolor="0.3")
+    axes[0].axvline(limit, **TRUTH_LINE)
+    axes[0].set_yticks(range(len(alarms)), list(alarms))
+    axes[0].set_ylim(len(alarms) - 0.5, -0.5)
+    silent = [title for title, (high, lone) in alarms.items() if max(high) <= limit and np.median(lone) == 0]
+    label_axes(axes[0], "chi2 too high (st. deviations); dashed: alarm", "", "silent: " + ", ".join(silent))
+    label_axes(axes[1], "objects seen once (number)", "", "false sightings are seen once")
     return figure
 
 

@@ -23,6 +23,7 @@ predict = questions(
         ["about 1°", "about 10°", "about 80°"],
         right=2,
         mistake="To compare 2 cm with 5 m. The points are 2 cm apart.",
+        alts=["A line that trembles by centimetres, and the averaged one, nearly straight.", ""],
     ),
     twins=choice(
         "Sixteen are there: how many are found, and does the path suffer?",
@@ -100,5 +101,11 @@ predict = questions(
         mistake=(
             "To trust that something would show. Drift without return leaves no trace in the robot's own numbers."
         ),
+        alts=[
+            (
+                "One row a world. Left, chi2: the twins all beyond the dashed alarm, the corridor and the world "
+                "without defect below it; right, dozens of objects seen once with the false detector alone."
+            )
+        ],
     ),
 )

@@ -2,6 +2,7 @@
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from npslam_teach.course.soft_association import table
@@ -16,6 +17,7 @@ from npslam_teach.plotting.style import (
     label_axes,
     legend_beside,
     method_style,
+    new_figure,
 )
 
 LOOKS = {
@@ -43,7 +45,7 @@ def plot_pairs(ax: Axes, seen: np.ndarray, objects: np.ndarray, probability: np.
         seen: (m, 2) m, where the observations are.
         objects: (K, 2) m.
         probability: (m, K) of the pairs.
-        title: of the plot.
+        title: of the plot, to which the most probable object of each observation is added.
     """
     color, marker = class_style(0)
     for (k, j), share in np.ndenumerate(probability):
@@ -61,7 +63,8 @@ def plot_pairs(ax: Axes, seen: np.ndarray, objects: np.ndarray, probability: np.
             ax.annotate(f"{name} {k + 1}", xy, (0, -14 if below else 10), textcoords="offset points", **style)
     ax.margins(0.25, 0.35)
     ax.set_aspect("equal", "datalim")
-    return label_axes(ax, "x (m)", "y (m)", title)
+    chosen = ", ".join(f"obs {k + 1} of chair {j + 1}" for k, j in enumerate(probability.argmax(axis=1)))
+    return label_axes(ax, "x (m)", "y (m)", f"{title}: {chosen}")
 
 
 def plot_beliefs(ax: Axes, beliefs: np.ndarray, class_names, title: str) -> Axes:
@@ -71,7 +74,7 @@ def plot_beliefs(ax: Axes, beliefs: np.ndarray, class_names, title: str) -> Axes
         ax: any axes.
         beliefs: (N+1, C) probabilities, before the first report and after each.
         class_names: (C,).
-        title: of the plot.
+        title: of the plot, to which the last belief is added.
     """
     for c, name in enumerate(class_names):
         color, marker = class_style(c)
@@ -79,7 +82,8 @@ def plot_beliefs(ax: Axes, beliefs: np.ndarray, class_names, title: str) -> Axes
     ax.set(ylim=(-0.04, 1.04))
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     legend_beside(ax)
-    return label_axes(ax, "reports (number)", "probability", title)
+    best = beliefs[-1].argmax()
+    return label_axes(ax, "reports (number)", "probability", f"{title}: {class_names[best]} {beliefs[-1, best]:.3f}")
 
 
 def plot_em(ax: Axes, rounds: list[np.ndarray], seen: np.ndarray, title: str) -> Axes:
@@ -89,7 +93,7 @@ def plot_em(ax: Axes, rounds: list[np.ndarray], seen: np.ndarray, title: str) ->
         ax: any axes.
         rounds: of (K,) m, the places of the objects.
         seen: (M,) m.
-        title: of the plot.
+        title: of the plot, to which the last places are added.
     """
     for x in seen:
         ax.axvline(x, color="0.75", linewidth=1.2, zorder=0)
@@ -99,7 +103,8 @@ def plot_em(ax: Axes, rounds: list[np.ndarray], seen: np.ndarray, title: str) ->
     ax.invert_yaxis()
     ax.yaxis.set_major_locator(MaxNLocator(integer=True))
     legend_beside(ax)
-    return label_axes(ax, "x (m); grey: observations", "round (number)", title)
+    last = " and ".join(f"{x:.2f}" for x in rounds[-1])
+    return label_axes(ax, "x (m); grey: observations", "round (number)", f"{title}: {last} m at the end")
 
 
 def plot_runs(ax: Axes, quantity: str, cases: tuple) -> Axes:
@@ -125,4 +130,59 @@ def plot_runs(ax: Axes, quantity: str, cases: tuple) -> Axes:
         ax.set_yticks([0.05, 0.1, 0.2, 0.5, 1.0])
     ax.yaxis.set_minor_formatter("")
     ax.set_xticks([100 * share for share in SHARES])
-    return label_axes(ax, "wrong reports (%)", QUANTITIES[quantity])
+    ends = (f"{case} {np.median(table.column(quantity, case, SHARES[-1])):.2g}" for case in (cases[0], cases[-1]))
+    return label_axes(ax, "wrong reports (%)", QUANTITIES[quantity], f"{SHARES[-1]:.0%} wrong: " + ", ".join(ends))
+
+
+def gates_figure(left: dict) -> Figure:
+    """How far from an object an observation may lie, after a right report of its class and after a wrong one.
+
+    Args:
+        left: by the share of wrong reports: (right, wrong) in standard deviations of position.
+    """
+    figure, ax = new_figure(size=(9.0, 4.0))
+    for k, name in enumerate(("right report", "wrong report")):
+        at, heights = np.arange(len(left)) + 0.4 * (k - 0.5), [each[k] for each in left.values()]
+        ax.bar(at, heights, 0.38, color=CLASS_COLORS[k], hatch=("", "//")[k], edgecolor="white", label=name)
+    ax.axhline(np.sqrt(9.21), label="position alone", **TRUTH_LINE | {"zorder": 3.0})
+    ax.set_xticks(range(len(left)), [f"{share:.0%}" for share in left])
+    legend_beside(ax)
+    said = " and ".join(f"{each[1]:.1f}" for each in (list(left.values())[0], list(left.values())[-1]))
+    title = f"a wrong report leaves a gate of {said} st. deviations"
+    label_axes(ax, "wrong reports of the detector", "gate (st. deviations)", title)
+    return figure
+
+
+def gaps_figure(gaps: dict, true: float) -> Figure:
+    """The distances between two chairs that a mixture finds, one mark a run, and their means.
+
+    Args:
+        gaps: by the name of the mixture: (N,) m.
+        true: m, dashed.
+    """
+    figure, ax = new_figure(size=(9.0, 3.2))
+    ax.axvline(true, label="truth", **TRUTH_LINE)
+    for k, values in enumerate(gaps.values()):
+        color, marker = class_style(k)
+        ax.plot(values, k + 0.2 * np.linspace(-1, 1, len(values)), marker, color=color, alpha=0.7)
+        mean = {"color": ESTIMATE_COLOR, "markersize": 30, "markeredgewidth": 2.5, "linestyle": "none"}
+        ax.plot(np.mean(values), k, "|", label="mean" if k == 0 else None, **mean)
+    ax.set_yticks(range(len(gaps)), list(gaps))
+    ax.set_ylim(len(gaps) - 0.5, -0.5)
+    legend_beside(ax)
+    off = ", ".join(f"{name} {100 * (np.mean(values) - true):+.1f} cm" for name, values in gaps.items())
+    label_axes(ax, "gap between the chairs (m)", "mixture", f"the gap is off by: {off}")
+    return figure
+
+
+def too_sure_figure() -> Figure:
+    """In how many rooms the number is right, with a detector that is honest and with one that is too sure."""
+    figure, ax = new_figure(size=(9.0, 4.0))
+    for k, (case, name) in enumerate((("soft-em", "honest"), ("overconfident", "too sure"))):
+        right = [np.sum(table.column("objects", case, share) == 15) for share in SHARES]
+        ax.plot(100 * np.array(SHARES), right, markersize=8, label=name, **LOOKS[case] | {"color": CLASS_COLORS[k]})
+    ax.set_ylim(0, 31)
+    legend_beside(ax)
+    rooms = len(table.column("objects", "soft-em", SHARES[0]))
+    label_axes(ax, "wrong reports (%)", f"exactly 15 objects (of {rooms} rooms)", "the number alone hardly tells")
+    return figure

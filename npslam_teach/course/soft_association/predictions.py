@@ -37,6 +37,7 @@ predict = questions(
             "To shut the gate to another class, as all lessons so far did. That is right only for a "
             "detector that never errs."
         ),
+        alts=["Bars: the gate after a right and after a wrong report, which shrinks as the detector gets better."],
     ),
     side_by_side=choice(
         "Two objects begin side by side between two clusters: where do they go?",
@@ -87,14 +88,16 @@ predict = questions(
             "To take more possibilities for more accuracy. Each chair gets a share of the other's "
             "observations, which draws the two together."
         ),
+        alts=["Gaps of twenty runs: those of the mixture mostly below 0.3 m, those of the best alone around it."],
     ),
     too_sure=choice(
-        "What does the vain detector change most while three of ten reports are wrong?",
+        "What does the overconfident detector change most while three of ten reports are wrong?",
         ["the number of objects", "how much is left out", "nothing"],
         right=1,
         mistake=(
             "To look at the number alone. It is nearly as good as before; the contradicting reports "
             "have gone out of the gate, and with them their positions."
         ),
+        alts=["Rooms with fifteen objects over the share of wrong reports: both alike up to 30 %, fewer at 50 %."],
     ),
 )

@@ -131,19 +131,20 @@ def plot_partitions(ax: Axes, partitions: list, probabilities: np.ndarray, true_
         true_labels: of the partition that is marked.
         rows: how many are shown.
     """
-    most = PartitionBars(ax, rows, f"{rows} of {len(partitions)} partitions")
+    both = np.sort(probabilities)[-2:].sum()
+    most = PartitionBars(ax, rows, f"of {len(partitions)} partitions two hold {both:.2f}")
     most.show(partitions, probabilities, true_labels)
     return ax
 
 
-def plot_num_objects(ax: Axes, shares: dict, num_true: int, title: str = "how many objects?") -> Axes:
+def plot_num_objects(ax: Axes, shares: dict, num_true: int, title: str | None = None) -> Axes:
     """How probable each number of objects is: bars side by side for every case.
 
     Args:
         ax: any axes.
         shares: by the name of a case: number of objects to probability.
         num_true: dashed grey.
-        title: of the plot.
+        title: of the plot; by default how probable the true number is.
     """
     numbers = sorted({number for share in shares.values() for number in share} | {num_true - 1, num_true + 1})
     width = 0.8 / len(shares)
@@ -156,7 +157,8 @@ def plot_num_objects(ax: Axes, shares: dict, num_true: int, title: str = "how ma
     ax.set_xticks(numbers)
     ax.set_ylim(0.0, 1.02)
     legend_beside(ax)
-    return label_axes(ax, "objects (number)", "probability (no unit)", title)
+    said = ", ".join(f"{name} {share.get(num_true, 0.0):.2f}" for name, share in shares.items())
+    return label_axes(ax, "objects (number)", "probability (no unit)", title or f"probability of {num_true}: {said}")
 
 
 def plot_together(ax: Axes, together: np.ndarray, best: np.ndarray, title: str) -> Axes:
@@ -243,4 +245,5 @@ def plot_reliability(ax: Axes, table: Reliability, title: str) -> Axes:
     ax.errorbar(table.said, table.happened, table.margin, label="pairs, two standard errors", **style)
     ax.set(xlim=(-0.03, 1.03), ylim=(-0.06, 1.06), aspect="equal")
     legend_beside(ax)
+    title += f":\n{np.sum(table.within)} of {len(table.said)} groups as it should be"
     return label_axes(ax, "probability of being one chair (no unit)", "share that is one (no unit)", title)

@@ -29,6 +29,7 @@ predict = questions(
         ["to A both times", "it follows 7", "to the other one", "to a new object"],
         right=1,
         mistake="To decide for 8 alone. Both hang on the same unknown drift.",
+        alts=["Bars: with 7 at A, 8 goes to A; with 7 at B, to B; C and new are next to nothing."],
     ),
     extremes=choice(
         "At α = 1000, and at T = 0.1?",
@@ -45,6 +46,7 @@ predict = questions(
         ["0.316 m", "0.2 m", "0.1 m"],
         right=0,
         mistake="To subtract, or to take the better of the two. Independent errors add by their squares.",
+        alts=["Two bell curves along the corridor: narrow at 1.0 m, three times as wide at 1.4 m."],
     ),
     cooling=choice(
         "At which temperature does the number settle?",

@@ -14,7 +14,11 @@ predict = questions(
         "All of 30 go right: how low may the true share be?",
         ["0.99", "0.97", "0.89", "0.50"],
         right=2,
-        mistake=("To take none of thirty failures for none. Thirty trials cannot see a failure in ten or twenty."),
+        mistake=(
+            "To take no failure in thirty rooms for no failure at all. "
+            "Thirty rooms may well miss a failure that comes once in twenty."
+        ),
+        alts=["", "Counts over the true share, as a band; thirty of thirty fit every share from 0.89."],
     ),
     below_half=choice(
         "Where does it fall below one half, and how?",
@@ -24,10 +28,10 @@ predict = questions(
         alts=["Shares over noise: NP-graph falls from 1 to 0 between noise 1 and 2.5."],
     ),
     three_knobs=choice(
-        "Which knob matters least, and does any help at noise 3?",
+        "Which of the three settings matters least, and does any help at noise 3?",
         ["α; none helps", "the kernel; α helps", "the threshold; the kernel helps"],
         right=0,
-        mistake="To say that nobody tuned it. No value of any knob is right in most rooms.",
+        mistake="To say that nobody tuned it. At noise 3 no value of any of them is right in most rooms.",
         alts=["Shares over alpha, threshold and kernel; none is high at noise 3."],
     ),
     widest=choice(
@@ -72,6 +76,7 @@ predict = questions(
             "To take half a metre for half a metre. It may be well within the drift, or far outside "
             "of what can be when the drift is shared."
         ),
+        alts=["", "Three passes with bars; the first difference nearly reaches zero, the second does not."],
     ),
     beyond=choice(
         "Of true pairs, how many lie beyond the kernel's reach, and beyond the gate?",
@@ -84,7 +89,7 @@ predict = questions(
     ),
     some_kernel=choice(
         "Some kernel is right in how many rooms, and does a chosen one do as well elsewhere?",
-        ["all; yes", "half; it does as well, and not well", "half; no, far worse", "none"],
+        ["in all; yes", "in half; as well, but badly in both", "in half; no, far worse", "in none"],
         right=1,
         mistake="To choose by the truth. A kernel for each room needs the answer in advance.",
         alts=["Thirty rooms at noise 2: those that found 15 all have small errors."],

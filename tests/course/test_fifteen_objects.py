@@ -35,6 +35,16 @@ def test_rooms_are_marked_by_whether_they_found_the_right_number():
     assert alike.get_title() == "2 of 2 rooms find 15"
 
 
+def test_robust_kernels_are_told_apart_and_the_title_has_their_prices():
+    figure, ax = plotting.new_figure(size=(8, 4))
+    r = np.linspace(-4, 4, 9)
+    pictures.plot_robust_kernels(ax, r, {"least squares": r**2, "bounded": r**2 / (1 + r**2)})
+    np.testing.assert_allclose([line.get_ydata()[-1] for line in ax.lines], [16, 16 / 17])
+    assert len({(line.get_color(), line.get_linestyle()) for line in ax.lines}) == 2
+    assert ax.get_title() == "an error of 4 costs 16, 0.94"
+    assert_readable(figure)
+
+
 def test_the_map_of_settings_writes_every_cell():
     counts = np.array([[[15, 15, 16], [600, 610, 15]], [[14, 14, 14], [900, 901, 902]]])
     figure, ax = plotting.new_figure(size=(10, 4.4))

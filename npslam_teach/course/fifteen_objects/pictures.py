@@ -5,7 +5,9 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.ticker import MaxNLocator
 
-from npslam_teach.plotting.style import TEXT_SIZE, class_style, label_axes, legend_beside
+from npslam_teach.plotting.style import CLASS_COLORS, TEXT_SIZE, class_style, label_axes, legend_beside
+
+LINES = ("-", "--", "-.", ":")
 
 
 def plot_rooms(ax: Axes, found, errors, num_objects_true: int = 15) -> Axes:
@@ -59,3 +61,21 @@ def plot_settings(ax: Axes, counts: np.ndarray, alphas, thresholds, num_objects_
     bar.set_label("objects (number, log scale)", fontsize=TEXT_SIZE["label"])
     bar.ax.tick_params(which="both", labelsize=TEXT_SIZE["tick"])
     return ax
+
+
+def plot_robust_kernels(ax: Axes, residual: np.ndarray, costs: dict[str, np.ndarray]) -> Axes:
+    """What a residual costs under several robust kernels, and in the title what the largest one costs.
+
+    Args:
+        ax: any axes.
+        residual: (N,) in standard deviations.
+        costs: by the name of a kernel: (N,).
+    """
+    for k, (name, cost) in enumerate(costs.items()):
+        ax.plot(residual, cost, LINES[k % 4], color=CLASS_COLORS[k], linewidth=2.2, label=name)
+    largest = np.argmax(residual)
+    prices = ", ".join(f"{cost[largest]:.2g}" for cost in costs.values())
+    legend_beside(ax)
+    return label_axes(
+        ax, "residual (standard deviations)", "cost (no unit)", f"an error of {residual[largest]:g} costs {prices}"
+    )

@@ -24,9 +24,9 @@ def confused_figure():
 FIGURES = (
     FigureFile(
         "fig24_confused_detector",
-        "Two maps of one room whose detector errs in three reports of ten. Left, NP-graph: every wrong report opens "
-        "an object, and the true fifteen lie under piles of markers. Right, soft association: fifteen objects, each in "
-        "its place.",
+        "Two maps of one room whose detector errs in three reports of ten. Left, NP-graph: wrong reports open "
+        "objects of their own, and the true fifteen lie under piles of markers. Right, soft association: fifteen "
+        "objects, each in its place.",
         confused_figure,
     ),
 )

@@ -14,14 +14,14 @@ import time
 
 import numpy as np
 
-from npslam_teach.association import first_observations, in_order_of_sight
+from npslam_teach.association import in_order_of_sight
 from npslam_teach.evaluation import compare_partitions, evaluate, singletons_for_unassigned, wilson_interval
 from npslam_teach.experiments.paper_simulation import scenes
 from npslam_teach.experiments.runs import LEAST_ARI, Scene
 from npslam_teach.methods import METHODS
 from npslam_teach.methods.partition_score import partition_score
 from npslam_teach.methods.posterior import in_time, start_model
-from npslam_teach.methods.repair import reassigned
+from npslam_teach.methods.repair import classes_of, reassigned
 from npslam_teach.pose_graph import fit
 from npslam_teach.system.progress import progress_shown, track
 
@@ -59,7 +59,7 @@ def told_the_map(scene: Scene) -> float:
     """
     log, labels = scene.log, np.unique(scene.truth.obs_object, return_inverse=True)[1]
     graph = fit(log, labels, scene.truth.poses)
-    seen = reassigned(log, graph.poses, graph.landmarks, log.obs_class[first_observations(labels)])
+    seen = reassigned(log, graph.poses, graph.landmarks, classes_of(log, labels))
     return compare_partitions(labels, singletons_for_unassigned(seen))[0]
 
 

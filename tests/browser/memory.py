@@ -2,12 +2,13 @@
 
 import gc
 import itertools
-import os
+import json
 import tracemalloc
-from pathlib import Path
+import urllib.request
 
 import psutil
 from explorers import Shown, ShownControl
+from lab_server import Lab
 
 from npslam_teach.course.controls import Places
 from npslam_teach.pose_graph import factorization
@@ -59,14 +60,13 @@ def traced_after(moves, explorer) -> int:
     return sum(trace.size for trace in tracemalloc.take_snapshot().filter_traces([NOT_QDLDL]).traces)
 
 
-def kernels_of(folder: Path) -> list[psutil.Process]:
-    """The kernels that a JupyterLab has started in a folder."""
-    found = []
-    for process in psutil.process_iter(["cmdline", "cwd"]):
-        command, cwd = process.info["cmdline"] or [], process.info["cwd"] or ""
-        if any("ipykernel" in word for word in command) and Path(cwd).is_relative_to(os.path.realpath(folder)):
-            found.append(process)
-    return found
+def kernel_of(lab: Lab, name: str) -> psutil.Process:
+    """The kernel of an open notebook; other notebooks of the same JupyterLab may have theirs."""
+    with urllib.request.urlopen(f"{lab.address}/api/sessions?token={lab.token}", timeout=20) as answer:
+        (own,) = [each["kernel"]["id"] for each in json.load(answer) if each["name"] == name]
+    processes = psutil.process_iter(["cmdline"])
+    (kernel,) = [each for each in processes if any(own in word for word in each.info["cmdline"] or [])]
+    return kernel
 
 
 class Footprint:

@@ -161,8 +161,7 @@ def test_a_leak_is_noticed(monkeypatch):
 def test_key_presses_leave_nothing_behind_in_a_page(explorers, notebook, lab, record_property):
     """In a toy, and where the whole method runs at every step."""
     page, all_explorers = notebook
-    (kernel,) = memory.kernels_of(lab.folder)
-    growth = memory.growth_in_a_page(explorers[0], kernel)
+    growth = memory.growth_in_a_page(explorers[0], memory.kernel_of(lab, "explorers.ipynb"))
     record_property("growth", growth)
     assert all(value < memory.LIMITS[name] for name, value in growth.items()), growth
     assert page.locator(f"{EXPLORER} figure").count() == sum(map(len, all_explorers.values()))

@@ -25,7 +25,8 @@ def square():
 def test_two_worlds_stand_side_by_side_with_one_scale_and_say_how_many_were_found(square):
     left, right = panels(pictures.pair_figure(*square, ("two", "one")))
     found = [world.snapshots[-1].num_objects for world in square]
-    assert [left.get_title(), right.get_title()] == [f"two: {found[0]} objects", f"one: {found[1]} objects"]
+    expected = [f"two: {found[0]} objects, 2 are there", f"one: {found[1]} objects, 1 are there"]
+    assert [left.get_title(), right.get_title()] == expected
     assert left.get_xlim() == right.get_xlim() and left.get_ylim() == right.get_ylim()
     low, high = np.array([left.get_xlim(), left.get_ylim()]).T
     for world in square:

@@ -165,3 +165,9 @@ def test_every_public_name_is_there():
 def test_modules_are_reachable_from_the_package():
     assert npslam_teach.evaluation.evaluate is npslam_teach.evaluate
     assert npslam_teach.se2.wrap
+
+
+def test_files_of_tests_have_names_of_their_own():
+    """pytest imports them by these; two of one name are refused only when both are collected."""
+    names = [path.name for path in Path(__file__).parent.rglob("test_*.py")]
+    assert sorted(set(names)) == sorted(names)

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from npslam_teach.types import RobotLog
 from npslam_teach.validation import checked_array, require_distributions
 
 LEAST = math.log(1e-12)  # of the likelihood of a class
@@ -69,6 +70,11 @@ def log_likelihoods(obs_class: np.ndarray, num_classes: int, class_probabilities
         return np.log(known)
 
 
+def reports(log: RobotLog) -> np.ndarray:
+    """What every observation of a log says of its class: ``log_likelihoods`` (M, C)."""
+    return log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities)
+
+
 def floored(seen: np.ndarray) -> np.ndarray:
     """The same (..., C), no class ruled out: one report of many must not be believed without end."""
     return np.maximum(seen, LEAST)
@@ -92,6 +98,16 @@ def normalised(total: np.ndarray) -> np.ndarray:
     """Logarithms of probabilities (K, C) from those of weights (K, C), of which one in each row is finite."""
     total = total - total.max(axis=1, keepdims=True, initial=-np.inf)
     return total - np.log(np.exp(total).sum(axis=1, keepdims=True))
+
+
+def beliefs(seen: np.ndarray, objects: np.ndarray, count: int, weight: np.ndarray | float = 1.0) -> np.ndarray:
+    """What objects may be, by all that is reported of them: logarithms of probabilities (K, C).
+
+    No class is ruled out: a certain report may be of the object with a probability of 0.001 only, or wrongly.
+
+    Args: as of ``combined``.
+    """
+    return normalised(combined(floored(seen), objects, count, weight))
 
 
 def class_evidence(total: np.ndarray) -> float:

@@ -10,9 +10,9 @@ from npslam_teach.system.interpreter import replace_process
 from npslam_teach.system.trust import trust_committed
 
 ROOT = Path(__file__).absolute().parent.parent.parent
-# Of the tests: the mathematics, the files and the command line.
 # A student's list of files begins with lessons, not with their solutions, which links still open.
 HIDDEN = "__pycache__ *.py[co] *~ solutions conftest.py ruff.toml".split()
+# Of the tests: the mathematics, the files and the command line.
 QUICK_FOLDERS = "pose_graph association methods evaluation simulate datasets experiments cli".split()
 
 
@@ -84,12 +84,14 @@ def site(options) -> int:
 
 def book(options) -> int:
     """Write all lessons, or the library's names with their docstrings, as one HTML file, or print that to PDF."""
+    from npslam_teach.publishing import api_page
     from npslam_teach.publishing import book as making
 
     if not options.api:
         _require_checkout(ROOT / "notebooks")
     announce(options.out)
-    making.write_book(None if options.api else ROOT / "notebooks", Path(options.out), options.browser)
+    make = api_page.api_html if options.api else lambda: making.book_html(ROOT / "notebooks")
+    making.write_book(make, Path(options.out), options.browser)
     print(f"book: {options.out}")
     return 0
 

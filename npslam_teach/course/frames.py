@@ -13,6 +13,8 @@ from pathlib import Path
 
 from PIL import Image
 
+from npslam_teach.course.controls import Slider
+
 _HERE = Path(__file__).parent
 COLORS = 48  # of a frame: a third of the size of one in full colour
 
@@ -59,13 +61,13 @@ def _with_present(control, grid) -> list:
     values = [control.checked(each) for each in grid]
     if control.value not in values:
         values.append(control.value)
-    return sorted(values, key=None if control.spec("")["kind"] == "slider" else control.grid().index)
+    return sorted(values, key=None if isinstance(control, Slider) else control.grid().index)
 
 
 def _control(explorer, name: str, grid) -> dict:
     control = explorer.sliders[name]
     spec = control.spec(name)
-    if spec["kind"] == "slider":
+    if isinstance(control, Slider):
         return spec | {"grid": list(grid)}
     texts = dict(zip(control.options.values(), control.options, strict=True))
     return spec | {"options": [texts[value] for value in grid]}
@@ -76,7 +78,7 @@ def _on_page(explorer, grids: dict) -> dict:
     values = {}
     for name, grid in grids.items():
         control = explorer.sliders[name]
-        values[name] = control.value if control.spec(name)["kind"] == "slider" else list(grid).index(control.value)
+        values[name] = control.value if isinstance(control, Slider) else list(grid).index(control.value)
     return values
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from npslam_teach.association import first_observations
 from npslam_teach.association.gibbs import GibbsSampler
 from npslam_teach.association.partition_posterior import TrackletEvidence
-from npslam_teach.association.semantics import combined, floored, log_likelihoods
+from npslam_teach.association.semantics import combined, floored, reports
 from npslam_teach.association.split_merge import merge_objects, split_or_merge
 from npslam_teach.methods.gating import frames_of
 from npslam_teach.pose_graph import levenberg_marquardt, observation_factors
@@ -111,8 +111,7 @@ def reports_of(log: RobotLog, tracklet: np.ndarray) -> np.ndarray:
         tracklet: (M,) of each observation, -1 = of none.
     """
     used = np.flatnonzero(tracklet >= 0)
-    seen = log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities)
-    return combined(seen[used], tracklet[used], tracklet.max(initial=-1) + 1)
+    return combined(reports(log)[used], tracklet[used], tracklet.max(initial=-1) + 1)
 
 
 def rivals_of(log: RobotLog, tracklet: np.ndarray) -> np.ndarray:

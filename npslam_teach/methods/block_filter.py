@@ -40,8 +40,6 @@ class Belief:
     def squared_distances(self, xy: np.ndarray, noise: np.ndarray) -> np.ndarray:
         """Squared Mahalanobis distance of observations (m, 2), noise (m, 2, 2), to all objects, (m, K)."""
         count = len(landmarks_of(self.mean))
-        if not len(xy):
-            return np.zeros((0, count))
         pose = np.broadcast_to(self.mean[POSE], (count, 3))
         by_pose, by_object = observation_jacobians(pose, landmarks_of(self.mean))
         cross = self.cov[POSE, 3:].reshape(3, count, 2).swapaxes(0, 1)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from npslam_teach.association import in_order_of_sight
-from npslam_teach.association.semantics import class_distances, log_likelihoods, updated_belief
+from npslam_teach.association.semantics import class_distances, reports, updated_belief
 from npslam_teach.methods.block_filter import Belief
 from npslam_teach.methods.gating import GATE, NEW, NEW_GATE, UNASSIGNED, assign, frames_of, squared_gates
 from npslam_teach.methods.noise import observation_covariances, step_covariances, with_noise
@@ -133,19 +133,19 @@ def filter_steps(
     step_cov, sight_cov = step_covariances(log), observation_covariances(log)
     bounds, frames = squared_gates(gate, new_gate), frames_of(log)
     known_labels = None if labels is None else _in_order_of_sight(labels, frames)
-    seen_all = log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities)
-    belief, classes = Belief.at_origin(), np.zeros((0, log.num_classes))
+    seen_all, belief, classes = reports(log), Belief.at_origin(), np.zeros((0, log.num_classes))
     for time, observations in enumerate(frames):
         if time > 0:
             belief = belief.predicted(log.odometry[time - 1], step_cov[time - 1])
+        if len(observations) == 0:
+            yield _nothing_seen(time, belief, classes)
+            continue
         prior, seen = belief, seen_all[observations]
         xy, noise = log.obs_xy[observations], sight_cov[observations]
         distance = prior.squared_distances(xy, noise)
-        if known_labels is None and len(observations):
+        if known_labels is None:
             distance = distance + class_distances(seen, classes)
             decision = assign(distance, *bounds)
-        elif known_labels is None:
-            decision = observations  # of none
         else:
             decision = np.where(known_labels[observations] < len(classes), known_labels[observations], NEW)
         is_new = decision == NEW
@@ -156,10 +156,15 @@ def filter_steps(
         classes = _classes_after(classes, decision, seen, known_labels is not None)
 
 
+def _nothing_seen(time: int, belief: Belief, classes: np.ndarray) -> FilterStep:
+    """A frame without observations: long logs have many, and they need no matching."""
+    none, state = np.zeros(0, dtype=int), (belief.mean, belief.cov)
+    distance = np.zeros((0, len(classes)))
+    return FilterStep(time, none, *state, classes.argmax(axis=1), distance, none, none, math.nan, *state)
+
+
 def _classes_after(classes: np.ndarray, decision: np.ndarray, seen: np.ndarray, is_given: bool) -> np.ndarray:
     """What the objects are (logarithms) after the observations of a frame, new objects included."""
-    if not len(decision):
-        return classes
     matched, is_new = decision >= 0, decision == NEW
     if not is_given:  # given labels may contradict the classes
         classes = classes.copy()

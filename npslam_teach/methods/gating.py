@@ -51,6 +51,11 @@ def frames_of(log: RobotLog) -> list[np.ndarray]:
     return np.split(in_time, np.searchsorted(log.obs_time[in_time], np.arange(1, log.num_poses)))
 
 
+def frames_with_observations(log: RobotLog) -> list[np.ndarray]:
+    """The same without the poses from which nothing was seen, of which a long log may have many."""
+    return [observations for observations in frames_of(log) if len(observations)]
+
+
 def squared_mahalanobis(innovation: np.ndarray, innovation_cov: np.ndarray) -> np.ndarray:
     """The squared length of an innovation in standard deviations, ``y^T S^-1 y``.
 

@@ -4,8 +4,8 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.association import first_observations, in_order_of_sight, one_to_one
-from npslam_teach.association.semantics import class_distances, combined, floored, log_likelihoods, normalised
-from npslam_teach.methods.gating import GATE, frames_of, squared_residuals
+from npslam_teach.association.semantics import beliefs, class_distances, reports
+from npslam_teach.methods.gating import GATE, frames_with_observations, squared_residuals
 from npslam_teach.pose_graph import squared_radius
 from npslam_teach.types import PoseGraph, RobotLog
 
@@ -26,11 +26,9 @@ def reassigned(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, classes:
     """
     labels, gate = np.full(log.num_observations, -1), squared_radius(REPAIR_GATE)
     squared = squared_residuals(log, np.arange(log.num_observations)[:, None], poses, landmarks)
-    seen = log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities)
-    squared = squared + class_distances(seen, classes)
-    for observations in frames_of(log):
-        if len(observations):
-            labels[observations] = one_to_one(squared[observations], gate)
+    squared = squared + class_distances(reports(log), classes)
+    for observations in frames_with_observations(log):
+        labels[observations] = one_to_one(squared[observations], gate)
     return np.where(labels < len(classes), labels, -1)
 
 
@@ -42,8 +40,7 @@ def classes_of(log: RobotLog, labels: np.ndarray) -> np.ndarray:
         labels: (M,) index of the object, -1 = of none.
     """
     used = np.flatnonzero(labels >= 0)
-    seen = floored(log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities))
-    return normalised(combined(seen[used], labels[used], labels.max(initial=-1) + 1))
+    return beliefs(reports(log)[used], labels[used], labels.max(initial=-1) + 1)
 
 
 def cut_in_two(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, tracklet: np.ndarray) -> np.ndarray:
@@ -137,7 +134,7 @@ def confirmed(log: RobotLog, graph: PoseGraph, labels: np.ndarray, tracklet: np.
     kept = np.flatnonzero(tied >= 2)
     found = np.where(np.isin(labels, kept), labels, -1)
     places = se2.apply(graph.poses[log.obs_time], log.obs_xy)
-    seen = log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities)
+    seen = reports(log)
     for k in np.flatnonzero(found < 0):
         free = kept[~np.isin(kept, found[log.obs_time == log.obs_time[k]])]
         if len(free):

@@ -21,9 +21,16 @@ import numpy as np
 
 from npslam_teach.association import one_to_one, without_empty_objects
 from npslam_teach.association.matchings import matching_probabilities
-from npslam_teach.association.semantics import class_distances, combined, floored, log_likelihoods, normalised
+from npslam_teach.association.semantics import beliefs, class_distances, reports
 from npslam_teach.methods.ekf_slam import run_filter
-from npslam_teach.methods.gating import GATE, NEW_GATE, frames_of, squared_gates, squared_mahalanobis, squared_residuals
+from npslam_teach.methods.gating import (
+    GATE,
+    NEW_GATE,
+    frames_with_observations,
+    squared_gates,
+    squared_mahalanobis,
+    squared_residuals,
+)
 from npslam_teach.methods.noise import observation_covariances, with_noise
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
 from npslam_teach.pose_graph import fit, optimize, with_associations
@@ -114,7 +121,7 @@ def em_round(
 def expected(log: RobotLog, graph: PoseGraph, pairs: Pairs, bound: float, mixture: str = "sum") -> Pairs:
     """E-step: how probable each pair is, map and trajectory held still. Arguments as in ``em_round``."""
     distance, found = distances(log, graph, pairs), []
-    for observations in _frames_with_observations(log):
+    for observations in frames_with_observations(log):
         own = distance[observations]
         if mixture == "sum":
             weight = matching_probabilities(np.where(own < OTHER, np.exp((bound - own) / 2), 0.0))
@@ -128,8 +135,7 @@ def expected(log: RobotLog, graph: PoseGraph, pairs: Pairs, bound: float, mixtur
 def distances(log: RobotLog, graph: PoseGraph, pairs: Pairs) -> np.ndarray:
     """(M, K): squared, in standard deviations, of position and class together."""
     where = squared_residuals(log, np.arange(log.num_observations)[:, None], graph.poses, graph.landmarks)
-    seen = log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities)
-    return where + class_distances(seen, class_belief(log, pairs, len(graph.landmarks)))
+    return where + class_distances(reports(log), class_belief(log, pairs, len(graph.landmarks)))
 
 
 def class_belief(log: RobotLog, pairs: Pairs, num_objects: int) -> np.ndarray:
@@ -140,9 +146,7 @@ def class_belief(log: RobotLog, pairs: Pairs, num_objects: int) -> np.ndarray:
         pairs: which observations are of which objects.
         num_objects: K.
     """
-    # A certain report must not rule out a class by a pair of probability 0.001.
-    seen = floored(log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities))
-    return normalised(combined(seen[pairs.observation], pairs.object, num_objects, pairs.weight))
+    return beliefs(reports(log)[pairs.observation], pairs.object, num_objects, pairs.weight)
 
 
 def weighted(log: RobotLog, graph: PoseGraph, pairs: Pairs) -> PoseGraph:
@@ -165,7 +169,7 @@ def without_unseen(graph: PoseGraph, pairs: Pairs) -> tuple[PoseGraph, Pairs]:
 def best_labels(log: RobotLog, graph: PoseGraph, pairs: Pairs, bound: float) -> np.ndarray:
     """(M,) the object of each observation in the most probable matching of its frame; -1 = none."""
     distance, labels = distances(log, graph, pairs), np.full(log.num_observations, -1)
-    for observations in _frames_with_observations(log):
+    for observations in frames_with_observations(log):
         chosen = one_to_one(distance[observations], bound)
         labels[observations] = np.where(chosen < distance.shape[1], chosen, -1)
     return labels
@@ -188,7 +192,7 @@ def same_objects(log: RobotLog, graph: PoseGraph, pairs: Pairs, labels: np.ndarr
         squared_mahalanobis(graph.landmarks[i] - graph.landmarks[j], spread) + class_distances(belief, belief)[i, j]
     )
     together = np.zeros((count, count), dtype=bool)
-    for observations in _frames_with_observations(log):
+    for observations in frames_with_observations(log):
         seen = labels[observations][labels[observations] >= 0]
         together[np.ix_(seen, seen)] = True
     copies = np.arange(count)
@@ -206,10 +210,6 @@ def joined(graph: PoseGraph, pairs: Pairs, copies: np.ndarray) -> tuple[PoseGrap
     kept = np.unique(copies)
     place = np.searchsorted(kept, copies[pairs.object])
     return replace(graph, landmarks=graph.landmarks[kept], observations=_NO_FACTORS), pairs._replace(object=place)
-
-
-def _frames_with_observations(log: RobotLog) -> list[np.ndarray]:
-    return [observations for observations in frames_of(log) if len(observations)]
 
 
 def _certain(labels: np.ndarray) -> Pairs:

@@ -13,7 +13,7 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.association import in_order_of_sight
-from npslam_teach.association.semantics import class_distances, log_likelihoods, normalised, updated_belief
+from npslam_teach.association.semantics import class_distances, normalised, reports, updated_belief
 from npslam_teach.methods.gating import (
     GATE,
     NEW,
@@ -47,7 +47,7 @@ def tracklets(
     """
     gates, step_cov = squared_gates(gate, new_gate), step_covariances(log)
     sight_cov = observation_covariances(log)
-    reports = log_likelihoods(log.obs_class, log.num_classes, log.class_probabilities)
+    seen_all = reports(log)
     labels, count = np.full(log.num_observations, UNASSIGNED), 0
     nearby = _Surroundings.empty(log.num_classes)
     for time, observations in enumerate(frames_of(log)):
@@ -55,7 +55,7 @@ def tracklets(
             nearby = nearby.after_step(log.odometry[time - 1], step_cov[time - 1]).seen_since(time - longest_gap)
         if len(observations) == 0:
             continue
-        xy, seen, noise = log.obs_xy[observations], reports[observations], sight_cov[observations]
+        xy, seen, noise = log.obs_xy[observations], seen_all[observations], sight_cov[observations]
         decision = assign(nearby.squared_distances(xy, noise) + class_distances(seen, nearby.classes), *gates)
         matched, is_new = decision >= 0, decision == NEW
         labels[observations[matched]] = nearby.tracklet[decision[matched]]

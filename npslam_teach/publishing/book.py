@@ -5,11 +5,12 @@ import re
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 import nbformat
 
-from npslam_teach.publishing import api_page, book_page, lessons
+from npslam_teach.publishing import book_page, lessons
 from npslam_teach.publishing.book_markdown import Chapter, render
 from npslam_teach.publishing.colab import TAG as INSTALL
 from npslam_teach.system.files import atomic_write
@@ -29,11 +30,11 @@ _INSTALLED = (
 )
 
 
-def write_book(folder: Path | None, out: Path, browser: str | None = None) -> None:
-    """Write the book, as HTML or as PDF by the ending of the name.
+def write_book(make: Callable[[], str], out: Path, browser: str | None = None) -> None:
+    """Write a book, as HTML or as PDF by the ending of the name.
 
     Args:
-        folder: the course's ``notebooks``; None: the library's names and docstrings instead of the lessons.
+        make: its page of HTML, ``book_html`` of a folder or ``api_page.api_html``; called when the name is right.
         out: the file to write, which ends in .html or .pdf.
         browser: the program that prints a PDF; by default the first Chromium, Chrome or Edge that is found.
 
@@ -45,7 +46,6 @@ def write_book(folder: Path | None, out: Path, browser: str | None = None) -> No
         raise ValueError(f"--out {out}: expected a name that ends in .html or .pdf, got {out.suffix!r}")
     if not out.absolute().parent.is_dir():
         raise FileNotFoundError(f"--out {out}: expected a folder to write into, found none")
-    make = api_page.api_html if folder is None else lambda: book_html(folder)
     if out.suffix.lower() == ".html":
         with atomic_write(out) as stream:
             stream.write(make())

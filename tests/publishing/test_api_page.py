@@ -34,6 +34,7 @@ def test_every_public_name_is_there_once_with_its_words(page, part):
 def test_the_short_names_of_the_package_are_among_them(page):
     import npslam_teach
 
+    assert {*api_page.PARTS, "course"} == set(npslam_teach._FOLDERS_AND_MODULES)
     missing = [name for name in npslam_teach.__all__ if f'.{name}"' not in page]
     assert missing == []
 

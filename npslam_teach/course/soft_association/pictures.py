@@ -7,6 +7,7 @@ from matplotlib.ticker import MaxNLocator
 
 from npslam_teach.course.soft_association import table
 from npslam_teach.experiments.confused_classes import SHARES
+from npslam_teach.methods.gating import GATE
 from npslam_teach.plotting.style import (
     CLASS_COLORS,
     CLASS_MARKERS,
@@ -19,6 +20,7 @@ from npslam_teach.plotting.style import (
     method_style,
     new_figure,
 )
+from npslam_teach.pose_graph import squared_radius
 
 LOOKS = {
     "np-graph": method_style("np-graph"),
@@ -144,7 +146,7 @@ def gates_figure(left: dict) -> Figure:
     for k, name in enumerate(("right report", "wrong report")):
         at, heights = np.arange(len(left)) + 0.4 * (k - 0.5), [each[k] for each in left.values()]
         ax.bar(at, heights, 0.38, color=CLASS_COLORS[k], hatch=("", "//")[k], edgecolor="white", label=name)
-    ax.axhline(np.sqrt(9.21), label="position alone", **TRUTH_LINE | {"zorder": 3.0})
+    ax.axhline(np.sqrt(squared_radius(GATE)), label="position alone", **TRUTH_LINE | {"zorder": 3.0})
     ax.set_xticks(range(len(left)), [f"{share:.0%}" for share in left])
     legend_beside(ax)
     said = " and ".join(f"{each[1]:.1f}" for each in (list(left.values())[0], list(left.values())[-1]))

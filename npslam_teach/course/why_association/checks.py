@@ -67,9 +67,8 @@ def check_front_end(my_front_end: Callable) -> Verdict:
     rng = fresh()
     trials = [(rng.uniform(0, 3, (25, 2)), rng.integers(0, 2, 25), reach) for reach in (0.3, 0.5, 0.7, 0.4, 0.6)]
     trials.append((np.column_stack([np.arange(6) * 0.4, np.zeros(6)]), np.zeros(6, dtype=int), 0.5))
-    trials.append(
-        (np.array([[0.0, 0.0], [0.8, 0.0], [0.45, 0.0]]), np.zeros(3, dtype=int), 0.5)
-    )  # the second is nearer
+    second_is_nearer = np.array([[0.0, 0.0], [0.8, 0.0], [0.45, 0.0]])
+    trials.append((second_is_nearer, np.zeros(3, dtype=int), 0.5))
     edges = {
         "with no sighting at all": [(np.empty((0, 2)), np.empty(0, dtype=int), 0.5)],
         "with a single sighting": [(rng.uniform(0, 3, (1, 2)), np.array([2]), 0.5)],

@@ -101,6 +101,8 @@ def run_problem(name, graph, solvers, options, folder):
                     "iterations": counted[-1]["iterations"],
                     "chi2": pose_graph.chi2(found),
                     "own_chi2": counted[-1]["own_chi2"],
+                    "certificate": counted[-1].get("certificate_status"),
+                    "certificate_seconds": [answer.get("certificate_seconds") for answer in counted],
                     "memory": counted[-1]["memory"] and counted[-1]["memory"] - worker.about["memory_at_start"],
                     "residual": worker.about["residual"],
                 }

@@ -25,16 +25,25 @@ def results(tmp_path_factory):
     return done, out
 
 
-def table(out, columns):
+def rows_of(out):
+    """The rows of both tables: those of the solvers by problem, and those of the whole method by number of rooms."""
     lines = [line for line in (out / "results.md").read_text(encoding="utf-8").splitlines() if line.startswith("|")]
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
-    return [row for row in cells if len(row) == columns and not row[0].startswith(("problem", "---", "rooms", "--"))]
+    return [row for row in cells if not row[0].startswith(("problem", "---", "rooms", "--"))]
+
+
+def solver_rows(out):
+    return [row for row in rows_of(out) if not row[0].isdigit()]
+
+
+def method_rows(out):
+    return [row for row in rows_of(out) if row[0].isdigit()]
 
 
 @pytest.mark.slow
 def test_all_that_is_installed_finds_the_same_minimum(results):
     _, out = results
-    rows = table(out, 10)
+    rows = solver_rows(out)
     solvers = {row[2] for row in rows}
     assert "npslam_teach (SciPy alone)" in solvers
     assert ("npslam_teach (qdldl)" in solvers) == (find_spec("qdldl") is not None)
@@ -49,6 +58,18 @@ def test_all_that_is_installed_finds_the_same_minimum(results):
         assert float(row[8]) == pytest.approx(float(row[7]), rel=1e-2 if row[2] == "gtsam" else 1e-6), row[2]
 
 
+@pytest.mark.slow
+def test_the_certificate_is_timed_beside_the_solver(results):
+    _, out = results
+    for row in solver_rows(out):
+        if row[2].startswith("npslam_teach"):
+            status, milliseconds = row[10].removesuffix(" ms").split(", ")
+            assert status == "certified" or status.startswith(("gap", "none"))
+            assert float(milliseconds) > 0
+        else:
+            assert row[10] == ""
+
+
 def test_it_says_what_was_left_out(results):
     done, out = results
     if find_spec("gtsam") is None:
@@ -58,7 +79,7 @@ def test_it_says_what_was_left_out(results):
 
 def test_association_and_solver_are_timed_within_the_whole(results):
     _, out = results
-    rows = table(out, 11)
+    rows = method_rows(out)
     assert {row[0] for row in rows} == {"1", "2"}
     for row in rows:
         whole, association, solver = map(float, row[4:7])
@@ -68,7 +89,7 @@ def test_association_and_solver_are_timed_within_the_whole(results):
 def test_growth_is_against_the_smaller_house(results):
     _, out = results
     seconds, before = {}, {}
-    for rooms, _, _, library, whole, _, _, growth, per_alternation, _, counts in table(out, 11):
+    for rooms, _, _, library, whole, _, _, growth, per_alternation, _, counts in method_rows(out):
         alternations = counts.count("→")
         if rooms == "1":
             assert growth == per_alternation == ""

@@ -1,7 +1,7 @@
 """One solver in a process of its own: it is told problems on standard input and answers with seconds.
 
 ``python worker.py SOLVER`` reads lines ``PROBLEM.npz TOLERANCE RESULT.npz``, solves from arrays to arrays, writes the
-solution, and prints one JSON object for each: seconds, iterations, peak memory.
+solution, and prints one JSON object for each: seconds, iterations, peak memory, and what the solver says afterwards.
 """
 
 import gc
@@ -56,11 +56,11 @@ def main():
             problem = dict(arrays)
         gc.collect()
         begin = time.perf_counter()
-        poses, landmarks, iterations, own_chi2 = solve(problem, float(tolerance))
+        poses, landmarks, iterations, afterwards = solve(problem, float(tolerance))
         seconds = time.perf_counter() - begin
         np.savez(result_path, poses=poses, landmarks=landmarks)
-        answer = {"seconds": seconds, "iterations": iterations, "memory": peak_memory(), "own_chi2": own_chi2()}
-        print(json.dumps(answer), flush=True)
+        answer = {"seconds": seconds, "iterations": iterations, "memory": peak_memory()}
+        print(json.dumps(answer | afterwards()), flush=True)
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ def solve(problem, tolerance):
     iterations = optimizer.optimize(100)
     poses = np.array([optimizer.vertex(k).estimate().to_vector() for k in range(num_poses)])
     landmarks = [optimizer.vertex(num_poses + k).estimate() for k in range(num_landmarks)]
-    return poses, np.array(landmarks).reshape(-1, 2), iterations, lambda: _chi2(optimizer)
+    return poses, np.array(landmarks).reshape(-1, 2), iterations, lambda: {"own_chi2": _chi2(optimizer)}
 
 
 def _chi2(optimizer):

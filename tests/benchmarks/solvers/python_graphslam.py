@@ -30,4 +30,4 @@ def solve(problem, tolerance):
     result = graph.optimize(tol=tolerance, max_iter=100, verbose=False)
     estimates = [np.asarray(vertex.pose.to_array()) for vertex in graph._vertices]
     poses, landmarks = np.array(estimates[:num_poses]), np.array(estimates[num_poses:])
-    return poses, landmarks.reshape(-1, 2), result.num_iterations, graph.calc_chi2
+    return poses, landmarks.reshape(-1, 2), result.num_iterations, lambda: {"own_chi2": graph.calc_chi2()}

@@ -67,8 +67,8 @@ def markdown(rows, runs, options, missing):
         "one thread each; from plain arrays to plain arrays (build, optimise, read), Gauss-Newton until a step lowers",
         f"chi2 by less than {options.tolerance:g} of it. A ratio says how many times longer than ours it took in the",
         "same round. chi2 is evaluated on every solution with our residual, own chi2 is what the solver itself says:",
-        "where the residuals differ, the minimum of one is not that of the other. `minimize` is timed, chordal start and",
-        "choice of the lower one included; the certificate of global optimality by itself, in the last column.",
+        "where the residuals differ, the minimum of one is not that of the other. `minimize` is timed, both starts",
+        "included; the certificate of global optimality by itself, in the last column.",
         "",
         f"Python {platform.python_version()}, numpy {version('numpy')}, scipy {version('scipy')}, "
         f"gtsam {_version('gtsam')}, {platform.system()} {platform.machine()}.",

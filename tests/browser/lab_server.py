@@ -74,7 +74,7 @@ def running_lab(folder: Path, settings: Path) -> Iterator[Lab]:
     """
     own = {f"JUPYTER_{name}_DIR": str(settings / name.lower()) for name in ("CONFIG", "DATA", "RUNTIME")}
     own |= {"IPYTHONDIR": str(settings / "ipython")}
-    own |= {"NPSLAM_TEACH_FRAMES": ""}  # where a kernel answers nobody computes frames in advance, and they take seconds
+    own |= {"NPSLAM_TEACH_FRAMES": ""}  # a kernel answers: frames, which take seconds, are not needed
     with lab_process.running_lab(folder, settings / "lab.log", own) as running:
         yield Lab(running.site, running.token, folder)
 

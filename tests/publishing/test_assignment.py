@@ -7,9 +7,13 @@ runs whole lessons, so one is graded here; ``NPSLAM_TEACH_GRADE=01,02,03,04,05,0
 import ast
 import copy
 import html
+import json
 import os
+import re
+import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import nbformat
@@ -327,10 +331,11 @@ def answered(source, lesson, who):
     return handed_in
 
 
-def nbgrader(command, lesson, course):
+def nbgrader(command, lesson, course, *options, **settings):
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])  # it calls alembic by its name
-    arguments = [sys.executable, "-m", "nbgrader", command, lesson]
-    done = subprocess.run(arguments, cwd=course, env=os.environ | {"PATH": path}, capture_output=True, text=True)
+    arguments = [sys.executable, "-m", "nbgrader", command, lesson, *options]
+    environment = os.environ | {"PATH": path} | settings
+    done = subprocess.run(arguments, cwd=course, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
 
 
@@ -418,3 +423,58 @@ def test_a_partly_wrong_copy_is_told_by_the_check_what_is_wrong(course):
     assert checking.BLANK not in messages[last]
     feedback = (folder / "feedback" / "partly" / lesson / f"{Path(name).stem}.html").read_text(encoding="utf-8")
     assert messages[last] in html.unescape(feedback)
+
+
+# ---- grading as somebody who can read neither solutions nor marks ----
+
+NOBODY = ("setpriv", "--reuid=65534", "--regid=65534", "--clear-groups")
+SPY = """
+import os
+from pathlib import Path
+for path in ({course!r}, {course!r} + "/source", {course!r} + "/gradebook.db"):
+    try:
+        print("open", os.listdir(path) if Path(path).is_dir() else len(Path(path).read_bytes()))
+    except PermissionError:
+        print("closed")
+print("user", os.getuid())
+"""
+
+
+@pytest.fixture
+def open_folder():
+    """A folder that every user can read, with the library in it, as a student's course has it."""
+    with tempfile.TemporaryDirectory() as folder:
+        os.chmod(folder, 0o755)
+        shutil.copytree(ROOT / "npslam_teach", Path(folder) / "npslam_teach")
+        if not hasattr(os, "geteuid") or os.geteuid() != 0 or shutil.which(NOBODY[0]) is None:
+            pytest.skip("only root can start a kernel as another user without a password, by setpriv")
+        trial = [*NOBODY, sys.executable, "-c", "import ipykernel, numpy, npslam_teach"]
+        if subprocess.run(trial, cwd=folder, env=os.environ | {"PYTHONPATH": folder}, capture_output=True).returncode:
+            pytest.skip("another user cannot read this Python's packages")
+        yield Path(folder)
+
+
+def test_a_kernel_of_another_user_grades_and_cannot_read_solutions_or_marks(course, open_folder):
+    """The kernel specification of the guide, with setpriv in the place of sudo, which would ask for a password."""
+    folder, lesson, name = course
+    guide = (NOTEBOOKS / "teaching_guide.md").read_text(encoding="utf-8")
+    spec = json.loads(re.search(r"```json\n(.+?)```", guide, re.DOTALL).group(1))
+    command = spec["argv"][-1]
+    assert "sudo -n -u sandbox /srv/env/bin/python" in command
+    spec["argv"][-1] = command.replace("sudo -n -u sandbox /srv/env/bin/python", " ".join((*NOBODY, sys.executable)))
+    kernel = open_folder / "jupyter" / "kernels" / "python3" / "kernel.json"
+    kernel.parent.mkdir(parents=True)
+    kernel.write_text(json.dumps(spec), encoding="utf-8")
+    handed_in = answered(nbformat.read(folder / "source" / lesson / name, as_version=4), lesson, "solved")
+    handed_in.cells.insert(1, nbformat.v4.new_code_cell(SPY.format(course=str(folder))))
+    path = folder / "submitted" / "curious" / lesson / name
+    path.parent.mkdir(parents=True)
+    nbformat.write(handed_in, path)
+    folder.chmod(0o700)
+    settings = {"JUPYTER_PATH": str(open_folder / "jupyter"), "PYTHONPATH": str(open_folder)}
+    settings |= {"JUPYTER_PREFER_ENV_PATH": "0"}
+    nbgrader("autograde", lesson, folder, "--student", "curious", **settings)
+    assert errors(handed_back(course, "curious")) == {}
+    assert all(score == most > 0 for score, most in marks(course, "curious").values())
+    seen = code(handed_back(course, "curious"))[0].outputs[0].text
+    assert seen.splitlines() == ["closed", "closed", "closed", "user 65534"]

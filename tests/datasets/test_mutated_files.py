@@ -190,6 +190,6 @@ def test_a_crash_a_hang_a_hog_and_a_traceback_are_noticed(tmp_path, monkeypatch,
         encoding="utf-8",
     )
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), os.environ["PYTHONPATH"]]))
-    monkeypatch.setattr(sys.modules[__name__], "PATIENCE", 8.0)
+    monkeypatch.setattr(sys.modules[__name__], "PATIENCE", 5.0)
     complaints = complaints_about(campaign("g2o", range(3), tmp_path))
     assert complaints and complaints[0].startswith("g2o-1") and words in complaints[0]

@@ -18,7 +18,8 @@ def add_sweep_options(sweep: argparse.ArgumentParser) -> None:
     sweep.add_argument("--methods", type=methods, default=["np-graph"], metavar="A,B", help="default np-graph")
     text = "fifteen_objects (default), a world of the gallery (such as twins), or files of logs with truth"
     sweep.add_argument("--scenes", type=_words, default=["fifteen_objects"], metavar="A,B", help=text)
-    sweep.add_argument("--noise", type=_values, default=[1.0], metavar="S,T", help="1 is the paper's (default)")
+    text = "1 is the paper's (default); 0 leaves a file as it is"
+    sweep.add_argument("--noise", type=_values, default=[1.0], metavar="S,T", help=text)
     meaning = {
         "alpha": "concentration of the Dirichlet process",
         "threshold": "to accept the best match, a probability",

@@ -34,16 +34,20 @@ def scenes(data: str | None, noise: float, seeds: Iterable[int]) -> Iterator[Sce
     return (with_noise_added(data, log, truth, noise, s) for s in seeds)
 
 
-def recorded(path: str) -> tuple[RobotLog, GroundTruth]:
-    """A log with all of its truth, from a file.
+def recorded(path: str, is_complete: bool = True) -> tuple[RobotLog, GroundTruth]:
+    """A log with its truth, from a file.
+
+    Args:
+        path: of the file.
+        is_complete: whether all of the truth must be there; if not, some of it.
 
     Raises:
-        ValueError: the truth is missing, or a part of it.
+        ValueError: the truth is missing, or a part of it that is needed.
     """
     from npslam_teach import datasets
 
     log, truth = datasets.load_log(path)
-    if truth is None or not truth.is_complete:
+    if truth is None or (is_complete and not truth.is_complete):
         got = "one without" if truth is None else "one that knows a part of them"
         raise ValueError(f"{path}: expected a log with the true poses and objects, got {got}")
     return log, truth

@@ -19,6 +19,7 @@ from npslam_teach.evaluation import compared_labels, distances_to_truth
 from npslam_teach.experiments import paper_simulation
 from npslam_teach.experiments.runs import LEAST_ARI, Scene, run_method
 from npslam_teach.methods import METHODS, settings_for
+from npslam_teach.types import GroundTruth, RobotLog
 
 SETTINGS = ("alpha", "threshold", "kernel_std")  # of a method, that a sweep can vary
 SCALES = ("paper", "sensor")  # the paper's constants, or the same scaled to the noise of the log
@@ -114,8 +115,9 @@ def scene_of(name: str, noise: float, seed: int) -> Scene:
     return paper_simulation.with_noise_added(name, *_recorded(name), noise, seed)
 
 
-# Each worker reads a file once, and not for every one of its rooms.
-_recorded = lru_cache(maxsize=8)(paper_simulation.recorded)
+@lru_cache(maxsize=8)  # each worker reads a file once, and not for every one of its rooms
+def _recorded(path: str) -> tuple[RobotLog, GroundTruth]:
+    return paper_simulation.recorded(path, is_complete=False)
 
 
 def run_point(point: Point) -> dict:

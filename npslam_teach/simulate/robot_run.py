@@ -3,6 +3,8 @@
 Every function that draws random numbers takes a generator; the same seed gives the same run on every machine.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from npslam_teach import se2
@@ -45,15 +47,12 @@ def add_noise(log: RobotLog, noise: float, rng: np.random.Generator) -> RobotLog
     obs_noise = rng.normal(size=log.obs_xy.shape) * (noise * ADDED_OBSERVATION_STD)
     step_noise, turn_noise = rng.normal(size=(len(log.odometry), 2)), rng.normal(size=(len(log.odometry), 1))
     odometry_noise = np.hstack([step_noise, turn_noise]) * (noise * ADDED_ODOMETRY_STD)
-    return RobotLog(
-        odometry=log.odometry + odometry_noise,
-        obs_time=log.obs_time,
-        obs_xy=log.obs_xy + obs_noise,
-        obs_class=log.obs_class,
-        num_classes=log.num_classes,
-        odometry_std=np.hypot(log.odometry_std, noise * ADDED_ODOMETRY_STD),
-        observation_std=np.hypot(log.observation_std, noise * ADDED_OBSERVATION_STD),
-    )
+    noisier = {}
+    for name, added in (("odometry", noise * ADDED_ODOMETRY_STD), ("observation", noise * ADDED_OBSERVATION_STD)):
+        noisier[f"{name}_std"] = np.hypot(getattr(log, f"{name}_std"), added)
+        if getattr(log, f"{name}_cov") is not None:
+            noisier[f"{name}_cov"] = getattr(log, f"{name}_cov") + np.diag(np.square(added))
+    return replace(log, odometry=log.odometry + odometry_noise, obs_xy=log.obs_xy + obs_noise, **noisier)
 
 
 def _require_noise(noise: float) -> None:

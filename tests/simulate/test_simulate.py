@@ -166,6 +166,25 @@ def test_no_noise_added_changes_nothing():
     np.testing.assert_array_equal(same.obs_xy, log.obs_xy)
 
 
+def test_added_noise_counts_in_covariances_and_touches_nothing_else():
+    log, _ = simulate.fifteen_objects(0)
+    rng = np.random.default_rng(1)
+    steps, sights = (
+        rng.normal(size=(count, size, size)) for count, size in ((len(log.odometry), 3), (log.num_observations, 2))
+    )
+    own = {"odometry_cov": steps @ steps.swapaxes(1, 2) + np.eye(3), "class_names": tuple("abcde")[: log.num_classes]}
+    own |= {"observation_cov": sights @ sights.swapaxes(1, 2) + np.eye(2)}
+    own |= {"class_probabilities": np.full((log.num_observations, log.num_classes), 1 / log.num_classes)}
+    log = replace(log, **own)
+    noisy = simulate.add_noise(log, 2.0, rng)
+    for name, added in (("odometry_cov", [0.04, 0.04, 0.02]), ("observation_cov", [0.2, 0.2])):
+        more = getattr(noisy, name) - getattr(log, name)
+        np.testing.assert_allclose(more, [np.diag(np.square(added))] * len(more), atol=1e-12)
+    np.testing.assert_array_equal(noisy.class_probabilities, log.class_probabilities)
+    assert noisy.class_names == log.class_names
+    np.testing.assert_array_equal(noisy.obs_class, log.obs_class)
+
+
 @pytest.mark.parametrize("noise", [-1.0, float("nan"), float("inf")])
 def test_bad_noise_is_named(noise):
     log, _ = simulate.fifteen_objects(0)

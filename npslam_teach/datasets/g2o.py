@@ -31,8 +31,8 @@ def load_g2o(path) -> PoseGraph:
     """Read a pose graph from a .g2o file (gzip or not), or from one of TORO.
 
     Poses are numbered in the order of their ids, and so are landmarks; the graph keeps the ids for messages and for
-    ``save_g2o``. What ``FIX`` names is fixed, the pose of lowest id where there is none. A file without vertices is
-    read, its estimates are zero; ``pose_graph.odometry_start`` lays them out. Two things are read with a warning:
+    ``save_g2o``. What ``FIX`` names is fixed, the pose of lowest id where there is none; of several, the file must say
+    where they are. A file without vertices is read, its estimates are zero; ``pose_graph.odometry_start`` lays them out. Two things are read with a warning:
     that, and an information matrix that is indefinite only because it was printed with few digits. An unknown tag
     is an error, never skipped: without some of its factors a graph has another answer.
 
@@ -49,6 +49,7 @@ def load_g2o(path) -> PoseGraph:
         raise ValueError(f"{path}: expected at least one VERTEX_SE2 or EDGE_SE2, got none")
     _require_apart(path, rows[b"EDGE_SE2_XY"], pose_index, landmark_index)
     fixed_poses, fixed_landmarks = _fixed(path, rows[b"FIX"], pose_index, landmark_index)
+    _require_places(path, rows, landmark_index)
     between = _edges(path, rows[b"EDGE_SE2"], pose_index, pose_index, 3, BetweenFactors)
     with prefix_errors(path):  # turning can make the largest numbers a little larger
         between = turned_information(between, +1)
@@ -151,6 +152,15 @@ def _fixed(path, rows: list, pose_index: dict, landmark_index: dict) -> tuple[li
     poses = [pose_index[vertex] for vertex in named if vertex in pose_index]
     landmarks = [landmark_index[vertex] for vertex in named if vertex in landmark_index]
     return (poses, landmarks) if named else ([0], [])
+
+
+def _require_places(path, rows: dict, landmark_index: dict) -> None:
+    """One vertex may be held still wherever it is; of two, the file must say where."""
+    for line_number, (vertex,), _ in rows[b"FIX"]:
+        kind = b"VERTEX_XY" if vertex in landmark_index else b"VERTEX_SE2"
+        if not rows[kind] and len({ids[0] for _, ids, _ in rows[b"FIX"]}) > 1:
+            problem = f"expected a line {kind.decode()} for it, because another vertex is fixed, too; got none"
+            raise ValueError(f"{path}, line {line_number}: FIX {vertex}: {problem}")
 
 
 def _require_no_offset(path, rows: list) -> None:

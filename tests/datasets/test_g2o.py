@@ -188,6 +188,24 @@ def test_what_is_fixed_is_read_and_written_back(tmp_path, lines, poses, landmark
     assert (again.pose_ids, again.landmark_ids) == (graph.pose_ids, graph.landmark_ids) == ((4, 7), (5,))
 
 
+@pytest.mark.parametrize(
+    ("kept", "fixed", "named"),
+    [
+        ("VERTEX_SE2", "FIX 5 4\n", "FIX 5: expected a line VERTEX_XY"),
+        ("VERTEX_SE2", "FIX 4\nFIX 5\n", "FIX 5: expected a line VERTEX_XY"),
+        ("VERTEX_XY", "FIX 4\nFIX 7\n", "FIX 4: expected a line VERTEX_SE2"),
+        ("nothing", "FIX 5 7\n", "FIX 5: expected a line VERTEX_XY"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:.*the estimates come from the edges alone")
+def test_of_several_fixed_vertices_the_file_says_where_they_are(tmp_path, kept, fixed, named):
+    """Held still at the origin, where the file has left them, they would bend the map without a sign."""
+    lines = [line for line in SMALL.splitlines() if line.startswith(("EDGE", kept))]
+    with pytest.raises(ValueError, match=rf"line \d+: {named} for it, because another vertex is fixed, too; got none"):
+        load_g2o(write(tmp_path, "\n".join(lines) + "\n" + fixed))
+    assert load_g2o(write(tmp_path, "\n".join(lines) + "\nFIX 7\n")).fixed_poses.tolist() == [1]
+
+
 def test_a_fixed_pose_stays_and_the_others_come_to_it(cases_folder):
     graph = load_g2o(cases_folder / "fix_last.g2o")
     solved = optimize(graph)

@@ -127,6 +127,7 @@ def optimize(options) -> int:
     graph = datasets.load_g2o(options.graph)
     _warm_up_solver()
     with files.prefix_errors(options.graph):
+        initial = pose_graph.chi2(pose_graph.given_start(graph))
         optimum = pose_graph.certified_minimum(graph, options.tolerance)
         seconds = [optimum.seconds]
         again = (options.repeat or 1) - 1
@@ -134,7 +135,7 @@ def optimize(options) -> int:
             begin = time.perf_counter()
             pose_graph.minimize(graph, options.tolerance)
             seconds.append(time.perf_counter() - begin)
-    result = reports.optimize_result(optimum, pose_graph.chi2(graph), seconds if options.repeat else seconds[0])
+    result = reports.optimize_result(optimum, initial, seconds if options.repeat else seconds[0])
     write(result, optimum.graph)
     _print(result if options.json else reports.optimize_text(result), options.json)
     return 0

@@ -32,9 +32,9 @@ def load_g2o(path) -> PoseGraph:
 
     Poses are numbered in the order of their ids, and so are landmarks; the graph keeps the ids for messages and for
     ``save_g2o``. What ``FIX`` names is fixed, the pose of lowest id where there is none; of several, the file must say
-    where they are. A file without vertices is read, its estimates are zero; ``pose_graph.odometry_start`` lays them out. Two things are read with a warning:
-    that, and an information matrix that is indefinite only because it was printed with few digits. An unknown tag
-    is an error, never skipped: without some of its factors a graph has another answer.
+    where they are. A file without vertices is read, its estimates are zero; ``pose_graph.given_start`` lays them out.
+    Two things are read with a warning: that, and an information matrix that is indefinite only because it was printed
+    with few digits. An unknown tag is an error, never skipped: without some of its factors a graph has another answer.
 
     Raises:
         FileNotFoundError: no such file.

@@ -25,7 +25,7 @@ from npslam_teach.pose_graph.known_association import (
 )
 from npslam_teach.pose_graph.levenberg_marquardt import levenberg_marquardt
 from npslam_teach.pose_graph.linearization import chi2, linearize
-from npslam_teach.pose_graph.multi_start import Optimum, certified_minimum, minimize, optimize
+from npslam_teach.pose_graph.multi_start import Optimum, certified_minimum, given_start, minimize, optimize
 from npslam_teach.pose_graph.relaxation import relaxed_start
 from npslam_teach.pose_graph.residuals import (
     between_jacobians,
@@ -63,6 +63,7 @@ __all__ = [
     "observation_jacobians",
     "observation_residual",
     "odometry_factors",
+    "given_start",
     "odometry_start",
     "optimize",
     "relaxed_start",

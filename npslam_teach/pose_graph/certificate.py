@@ -32,6 +32,7 @@ from npslam_teach.pose_graph.block_sparsity import SYMMETRIC
 from npslam_teach.pose_graph.complex_form import Layout, QuadraticForm, as_complex, isotropic_part, layout_of
 from npslam_teach.pose_graph.factor_kinds import FACTOR_KINDS
 from npslam_teach.pose_graph.linearization import residuals
+from npslam_teach.pose_graph.unknowns import with_estimates
 from npslam_teach.types import PoseGraph
 
 NEGLIGIBLE_GAP = 1e-6  # the share of chi2 by which a certified minimum might at most be too high,
@@ -66,6 +67,7 @@ def certify(graph: PoseGraph) -> Certificate:
     Args:
         graph: at a minimum of chi2. The bound holds for any estimate, but away from a minimum it says little.
     """
+    graph = _about_what_is_fixed(graph)
     at, layout = residuals(graph), layout_of(graph)
     quadratic = _quadratic_below(graph, layout, at.by_kind)
     y, num_headings = layout.y, layout.num_headings
@@ -80,6 +82,14 @@ def certify(graph: PoseGraph) -> Certificate:
     smallest = _smallest_eigenvalue(quadratic, multipliers, allowed / 2)
     gap = still_to_go + num_headings * max(-smallest, 0.0)
     return Certificate(at.chi2, float(np.clip(gap, 0.0, at.chi2)), smallest)  # chi2 is nowhere negative
+
+
+def _about_what_is_fixed(graph: PoseGraph) -> PoseGraph:
+    """The same map with the mean of what is fixed at the origin: far from there, rounding would hide the proof."""
+    poses, landmarks = graph.poses, graph.landmarks
+    fixed = np.append(poses[graph.fixed_poses, :2], landmarks[graph.fixed_landmarks, :2], axis=0)
+    shift = np.append(fixed.mean(axis=0), 0.0)
+    return with_estimates(graph, poses - shift, landmarks - shift[: landmarks.shape[1]])
 
 
 def _quadratic_below(graph: PoseGraph, layout: Layout, by_kind: tuple[np.ndarray, ...]):

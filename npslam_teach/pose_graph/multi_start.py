@@ -103,9 +103,8 @@ def _lowest(runs: dict[str, list[Iteration]]) -> str:
 
 
 def _cheap_starts(graph: PoseGraph, system: LinearSystem) -> dict[str, PoseGraph]:
-    starts = {"given": graph}
-    if (graph.poses == graph.poses[0]).all():
-        starts = {"odometry": odometry_start(graph)}
+    given = given_start(graph)
+    starts = {"given" if given is graph else "odometry": given}
     if len(graph.between.i) >= len(graph.poses):
         with contextlib.suppress(np.linalg.LinAlgError):  # headings are needed to determine the positions
             starts["chordal"] = chordal_start(graph, system)
@@ -122,6 +121,11 @@ def _other_starts(graph: PoseGraph, system: LinearSystem, tried: frozenset) -> I
     for name in (name for name in starts if name not in tried):
         with contextlib.suppress(np.linalg.LinAlgError):  # the factors do not determine this start
             yield name, starts[name]()
+
+
+def given_start(graph: PoseGraph) -> PoseGraph:
+    """The graph as it is given; where all poses are at one place, it is laid out along its odometry."""
+    return odometry_start(graph) if (graph.poses == graph.poses[0]).all() else graph
 
 
 def optimize(graph: PoseGraph, tolerance: float = 1e-9, max_iterations: int = 100) -> PoseGraph:

@@ -55,6 +55,15 @@ def test_optimize_says_whether_its_minimum_is_the_lowest(capsys, cases_folder):
     assert "certificate           certified: no other minimum is lower by more than a millionth of it" in out
 
 
+@pytest.mark.filterwarnings("ignore:.*the estimates come from the edges alone")
+def test_without_vertices_it_sets_out_from_the_odometry(capsys, tmp_path):
+    """A square whose odometry closes it: nothing is left to be found."""
+    sides = "".join(f"EDGE_SE2 {i} {i + 1} 1 0 {np.pi / 2!r} 1 0 0 1 0 1\n" for i in range(4))
+    (tmp_path / "square.g2o").write_text(sides + "EDGE_SE2 4 0 0 0 0 1 0 0 1 0 1\n", encoding="utf-8")
+    code, out, _ = call(capsys, "optimize", tmp_path / "square.g2o", "--json")
+    assert code == 0 and json.loads(out)["chi2_initial"] < 1e-20
+
+
 def test_optimize_for_people(capsys, g2o_file):
     code, out, _ = call(capsys, "optimize", g2o_file)
     assert code == 0

@@ -124,6 +124,17 @@ def test_it_does_not_depend_on_where_the_map_lies(seed):
     assert first.gap == pytest.approx(second.gap, rel=1e-3, abs=1e-6 * first.chi2)
 
 
+@pytest.mark.parametrize("east", [1e3, 5e5])
+def test_far_from_the_origin_the_proof_is_the_same(cases_folder, east):
+    """As in a survey's coordinates: the same map, certified by the same numbers."""
+    for graph in (datasets.load_g2o(cases_folder / "wrong_minimum.g2o"), noisy_graph(3, std=0.05)):
+        away = np.array([east, 9 * east, 0.0])
+        moved = replace(graph, poses=graph.poses + away, landmarks=graph.landmarks + away[:2])
+        here, there = certified_minimum(graph), certified_minimum(moved)
+        assert str(there.certificate) == str(here.certificate) == "certified"
+        assert there.certificate.gap == pytest.approx(here.certificate.gap, rel=1e-4)
+
+
 def test_measurements_of_bearing_alone_leave_it_open():
     """Positions that only differently directed strips fix have no isotropic weight: nothing is claimed."""
     graph = random_graph(0, num_landmarks=0)

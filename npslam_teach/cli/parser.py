@@ -159,7 +159,7 @@ def _add_solve(subparsers) -> None:
     solve.add_argument("--samples", type=count, metavar="N", help=text)
     solve.add_argument("--filter-only", action="store_true", help="ekf: the raw filter, not smoothed at the end")
     solve.add_argument("--noise", type=number, default=0.0, metavar="S", help="noise to add first; 1 is the paper's")
-    solve.add_argument("--seed", type=index, default=0, metavar="K", help="of that noise (default 0)")
+    solve.add_argument("--seed", type=index, metavar="K", help="of that noise, and of the restarts (default 0)")
     text = "write the result as .json, its graph as .g2o, its path as .tum or its objects as .csv; may be repeated"
     solve.add_argument("--out", metavar="FILE", action="append", default=[], help=text)
     solve.add_argument(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from npslam_teach import experiments, simulate
+from npslam_teach import experiments, se2, simulate
 from npslam_teach.association import PAPER_ALPHA, same_partition
 from npslam_teach.cli.posterior_report import samples_result
 from npslam_teach.evaluation import chi2_per_dof, refitted_objective
@@ -21,7 +21,7 @@ from npslam_teach.system.progress import track
 from npslam_teach.types import PoseGraph, RobotLog
 
 LEAST_SAMPLES = 16  # four for each chain: fewer tell nothing of how they agree
-MINDS_THE_NOISE = ("np-graph", "ekf", "posterior")  # the others do not close loops, so that their chi2 is of drift
+MINDS_THE_NOISE = ("np-graph", "ekf", "soft-em", "posterior")  # of the others no other noise would mend the answer
 GIVEN = "alpha threshold kernel_std odometry_std observation_std area order iterations gate exclusive starts".split()
 
 
@@ -64,7 +64,8 @@ def sampled(options, log: RobotLog, settings: dict, found: experiments.Run) -> d
 
 def with_added_noise(options, log: RobotLog) -> RobotLog:
     """The log with more noise, where that is asked for."""
-    return simulate.add_noise(log, options.noise, np.random.default_rng(options.seed)) if options.noise != 0 else log
+    rng = np.random.default_rng(options.seed or 0)
+    return simulate.add_noise(log, options.noise, rng) if options.noise != 0 else log
 
 
 def with_estimated_noise(options, log: RobotLog) -> tuple[RobotLog, dict]:
@@ -101,7 +102,7 @@ def agreement(options, found: experiments.Run, refitted: PoseGraph) -> dict:
 
 def run(options, log: RobotLog, settings: dict) -> tuple[experiments.Run, list[dict]]:
     """The run with the lowest objective among all restarts, and what every restart came to."""
-    orders = [None] + [np.random.default_rng([options.seed, k]) for k in range(1, options.restarts)]
+    orders = [None] + [np.random.default_rng([options.seed or 0, k]) for k in range(1, options.restarts)]
     best, restarts = None, []
     for rng in track(orders, options.restarts, "restarts", "orders"):
         order = {} if rng is None else {"order": rng.permutation(log.num_observations)}
@@ -118,25 +119,48 @@ def run(options, log: RobotLog, settings: dict) -> tuple[experiments.Run, list[d
 
 def remarks(options, log: RobotLog, settings: dict, found: experiments.Run, fits: dict) -> None:
     """Warn of what a reader would otherwise take for an answer."""
-    last, alpha = found.snapshots[-1], settings.get("alpha", PAPER_ALPHA)
-    if settled(found, settings) is False:
-        text = f"stopped after {len(found.snapshots) - 1} iterations while labels were still changing; see --iterations"
+    texts = *_of_the_search(options, settings, found), *_without_effect(options, log), *_of_the_fit(options, fits)
+    for text in (*texts, *_of_the_rule(options, log, settings), *_of_the_answer(options, found)):
         warnings.warn(text, stacklevel=2)
+
+
+def _of_the_search(options, settings: dict, found: experiments.Run) -> Iterator[str]:
+    """Whether it could have gone on."""
+    if settled(found, settings) is False:
+        yield f"stopped after {len(found.snapshots) - 1} iterations while labels were still changing; see --iterations"
     starts = settings.get("starts", METHODS[options.method].settings.get("starts"))
     if options.method == "posterior" and searches_of(found) == starts:
-        text = f"all {starts} searches were needed, and the best partition may not have been found twice; see --starts"
-        warnings.warn(text, stacklevel=2)
-    for text in _without_effect(options.method, log):
-        warnings.warn(f"{text} of the log have no effect", stacklevel=2)
-    if options.method in MINDS_THE_NOISE and _misfits(fits["chi2_per_dof"], fits["dof"]):
+        yield f"all {starts} searches were needed, and the best partition may not have been found twice; see --starts"
+
+
+def _of_the_fit(options, fits: dict) -> Iterator[str]:
+    """Whether the noise of the log is that of its residuals."""
+    if _misfits(fits["chi2_per_dof"], fits["dof"]):
         text = f"chi2 per degree of freedom is {fits['chi2_per_dof']:.3g}: the noise in the log is wrong, or who is who"
-        warnings.warn(f"{text}; see --estimate-noise", stacklevel=2)
-    threshold, most = settings.get("threshold"), 1 / (1 + alpha)  # of the probability that two observations are one
+        yield text + ("; see --estimate-noise" if options.method in MINDS_THE_NOISE else "")
+
+
+def _of_the_rule(options, log: RobotLog, settings: dict) -> Iterator[str]:
+    """Whether a setting leaves nothing to decide."""
+    threshold, most = settings.get("threshold"), 1 / (1 + settings.get("alpha", PAPER_ALPHA))
     if options.method == "np-graph" and threshold is not None and threshold >= most:
         text = f"--threshold {threshold:g}: expected less than {most:.3f}, the most that two observations can reach"
-        warnings.warn(f"{text}; nothing can be merged", stacklevel=2)
-    if options.method != "frame-by-frame" and last.num_objects == log.num_observations > 1:
-        warnings.warn("nothing was merged: every observation is an object of its own", stacklevel=2)
+        yield f"{text}; nothing can be merged"
+    places = se2.apply(se2.dead_reckoning(log.odometry)[log.obs_time], log.obs_xy)
+    extent = float(np.ptp(places, axis=0).max()) if len(places) else math.inf
+    if settings.get("kernel_std", 0.0) > extent > 0:
+        text = f"the kernel is {settings['kernel_std']:.3g} m wide, more than all that was seen ({extent:.3g} m)"
+        yield f"{text}; classes alone decide who is who"
+
+
+def _of_the_answer(options, found: experiments.Run) -> Iterator[str]:
+    """Whether nothing was merged, or hardly anything used."""
+    last, count = found.snapshots[-1], found.log.num_observations
+    if options.method != "frame-by-frame" and last.num_objects == count > 1:
+        yield "nothing was merged: every observation is an object of its own"
+    used = int(np.count_nonzero(last.labels >= 0))
+    if used < count / 2:
+        yield f"only {used} of {count} observations are of an object in this answer; the others are left out"
 
 
 def _misfits(ratio: float, dof: int) -> bool:
@@ -145,13 +169,16 @@ def _misfits(ratio: float, dof: int) -> bool:
     return dof > 0 and not (min(0.5, 1 - margin) <= ratio <= max(2.0, 1 + margin))
 
 
-def _without_effect(method: str, log: RobotLog) -> Iterator[str]:
-    """What a log carries and a method does not look at, and what it assumes instead."""
+def _without_effect(options, log: RobotLog) -> Iterator[str]:
+    """What a log carries and a method does not look at, and what it assumes instead; an option that nothing needs."""
     carried = [name for name in ("odometry_cov", "observation_cov") if getattr(log, name) is not None]
+    method = options.method
     if carried and METHODS[method].settings["odometry_std"] is not None:
-        yield f"{method} assumes one noise for all: {' and '.join(carried)}"
+        yield f"{method} assumes one noise for all: {' and '.join(carried)} of the log have no effect"
     if log.class_probabilities is not None and not METHODS[method].sees_classes:
-        yield f"{method} takes the most likely class for certain: class_probabilities"
+        yield f"{method} takes the most likely class for certain: class_probabilities of the log have no effect"
+    if options.seed is not None and options.noise == 0 and options.restarts == 1:
+        yield "--seed has no effect without --noise or --restarts"
 
 
 def searches_of(found: experiments.Run) -> int:

@@ -11,6 +11,8 @@ from npslam_teach.association import PAPER_KERNEL_STD
 from npslam_teach.methods.snapshots import PAPER_OBSERVATION_STD, PAPER_ODOMETRY_STD
 from npslam_teach.types import RobotLog
 
+LARGEST_STD = 1e4  # m or rad, of a log; several times as much is beyond what a solver can use
+
 # What the paper's simulated sensors err by: the file's own noise and that of the script, section V.A.
 PAPER_ODOMETRY_NOISE = np.hypot((0.01, 0.01, 0.01), (0.02, 0.02, 0.01))  # m, m, rad per step
 PAPER_OBSERVATION_NOISE = np.hypot((0.1, 0.1), (0.1, 0.1))  # m
@@ -37,6 +39,9 @@ def settings_for(log: RobotLog) -> dict:
     """
     odometry = np.asarray(log.odometry_std) / PAPER_ODOMETRY_NOISE
     observation = np.asarray(log.observation_std) / PAPER_OBSERVATION_NOISE
+    for name in ("odometry_std", "observation_std"):
+        if not (getattr(log, name) <= LARGEST_STD).all():
+            raise ValueError(f"{name}: expected at most {LARGEST_STD:g}, got {getattr(log, name).tolist()}")
     return {
         "kernel_std": float(PAPER_KERNEL_STD * np.sqrt(observation.prod())),
         "odometry_std": tuple((PAPER_ODOMETRY_STD * odometry).tolist()),

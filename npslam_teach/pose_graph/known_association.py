@@ -10,6 +10,7 @@ from npslam_teach.types import BetweenFactors, ObservationFactors, PoseGraph, Ro
 from npslam_teach.validation import checked_array
 
 SMALLEST_STD = 1e-7  # m or rad; the information of a smaller one, 1 / std^2, is beyond `validation.LARGEST`
+LARGEST_STD = 1e5  # m or rad; beside other factors one of a larger is lost in rounding
 
 
 def fit(log: RobotLog, labels, poses=None, odometry_std=None, observation_std=None) -> PoseGraph:
@@ -84,4 +85,6 @@ def _information(name: str, std, size: int) -> np.ndarray:
         raise ValueError(f"{name}: expected positive numbers, got {std.tolist()}")
     if not (std >= SMALLEST_STD).all():
         raise ValueError(f"{name}: expected at least {SMALLEST_STD:g}, got {std.tolist()}")
+    if not (std <= LARGEST_STD).all():
+        raise ValueError(f"{name}: expected at most {LARGEST_STD:g}, got {std.tolist()}")
     return np.diag(1 / std**2)

@@ -9,6 +9,7 @@ const LONGEST_GLIDE = 450; // ms, where a player moves it
 const PATIENCE = 4000; // ms without an answer before the page says so
 const SVG = "http://www.w3.org/2000/svg";
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+const CATCH = 30; // of a scene's px, from which a stop pulls a ring to it
 const HAND = new Set(["cx", "cy"]);
 const NUMBER = /-?\d+(?:\.\d+)?(?:e-?\d+)?/g;
 
@@ -115,7 +116,10 @@ function sliderRow(spec, id, ask) {
   const buttons = spec.play ? [button("step back", "◀", () => step(-1)), label, button("step on", "▶|", () => step(1))] : [];
   const line = h("div", { class: "row" }, h("label", { for: id }, spec.label), range, number, ...buttons);
   const fits = (wanted) => (grid ? grid.includes(wanted) : wanted >= spec.min && wanted <= spec.max);
-  const further = (sign) => at(clamp(nearest(value) + (sign === ">" ? 1 : -1), 0, last));
+  const further = (sign) => {
+    const place = nearest(value) + (sign === ">" ? 1 : -1);
+    return place === clamp(place, 0, last) ? at(place) : NaN; // there is no further
+  };
   return Object.assign(row, { row: line, show, play, stop: pause, at: () => value, fits, further });
 }
 
@@ -247,7 +251,7 @@ function sceneOf(figure, model, ask, rows) {
         if (!moved) return;
         const stop = nearest([x, y]), before = over;
         over = stop && (follows() || distance(stop, [x, y]) < reach()) ? stop : null;
-        place(over && (follows() || distance(over, home()) > 1) ? over : [x, y]);
+        place(over && (follows() || distance(over, [x, y]) < CATCH) ? over : [x, y]);
         if (follows() && over && String(over) !== String(before)) go(over);
       },
       drop(done) {

@@ -19,7 +19,8 @@ MEASURE = (Path(__file__).parent / "latency.js").read_text(encoding="utf-8")
 PICTURE = """root => {
     const [image, words] = [root.querySelector("figure img"), root.querySelector("figcaption").textContent];
     const own = ({ name }) => name !== "data-lm-suppress-shortcuts";
-    const named = (each) => Object.fromEntries([...each.attributes].filter(own).map(({ name, value }) => [name, value]));
+    const pairs = (each) => [...each.attributes].filter(own).map(({ name, value }) => [name, value]);
+    const named = (each) => Object.fromEntries(pairs(each));
     const part = (each) => [each.tagName, named(each), each.textContent];
     const parts = [...root.querySelectorAll("figure svg > *")].map(part);
     return { source: image?.src ?? parts, alt: image?.alt ?? words, words };

@@ -10,7 +10,6 @@ from npslam_teach import plotting, simulate
 from npslam_teach.course.a_real_robot.explorer import explore_believed_noise, results_of_recording_0
 from npslam_teach.course.alternation import false_positives_explorer
 from npslam_teach.course.alternation.explorer import explore_alternation
-from npslam_teach.course.class_votes.explorer import explore_triangle
 from npslam_teach.course.drift.explorer import explore_noise
 from npslam_teach.course.fifteen_objects.explorer import explore_method
 from npslam_teach.course.filtering import explorer as filtering_explorer
@@ -64,10 +63,6 @@ EXPLORERS = {
     "wrong_association": (explore_wrong_association, [{"to": 5}, {"sighting": 0}, {"to": 0}]),
     "drift": (explore_noise, [{"noise": 3.0}, {"noise": 0.0}, {"noise": 1.0}]),
     "solver": (explore_bad_starts, [{"iteration": 3}, {"start": "thrown about"}, {"iteration": 0}]),
-    "triangle": (
-        explore_triangle,
-        [{"first": 0}, {"second": 0}, {"prior": 0.5}, {"third": 9}, {"prior": 1.0}, {"second": 4}],
-    ),
     "alternation": (
         lambda: explore_alternation(*small_room(), rounds=3),
         [{"half_step": k} for k in (1, 2, 4, 0, 3)],

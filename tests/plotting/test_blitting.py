@@ -16,7 +16,6 @@ from npslam_teach.course.filtering import explorer as filtering_explorer
 from npslam_teach.course.office import explorer as office_explorer
 from npslam_teach.course.pose_graph.explorer import bad_starts, explore_gauss_newton
 from npslam_teach.course.what_breaks.explorer import explore_kernel, results_of
-from npslam_teach.course.why_association.explorer import explore_wrong_association
 from npslam_teach.methods import METHODS
 from npslam_teach.plotting.blitting import SCREEN_DPI, Redrawing
 
@@ -60,7 +59,6 @@ def explore_widths():
 
 # Each explorer, and places to go that move all there is to move, hide some of it and bring it back.
 EXPLORERS = {
-    "wrong_association": (explore_wrong_association, [{"to": 5}, {"sighting": 0}, {"to": 0}]),
     "drift": (explore_noise, [{"noise": 3.0}, {"noise": 0.0}, {"noise": 1.0}]),
     "solver": (explore_bad_starts, [{"iteration": 3}, {"start": "thrown about"}, {"iteration": 0}]),
     "alternation": (

@@ -15,11 +15,17 @@ from npslam_teach.plotting.style import class_style
 
 CSS = (Path(__file__).parent / "scene.css").read_text(encoding="utf-8")
 PAGE_CSS = "".join(f".npslam-explorer svg {line}\n" for line in CSS.splitlines())
+_PLUS = ((-0.4, -1.1), (0.4, -1.1), (0.4, -0.4), (1.1, -0.4), (1.1, 0.4), (0.4, 0.4))
+_PLUS += tuple((-x, -y) for x, y in _PLUS)
 _SHAPES = {
     "o": None,
     "s": [(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
     "^": [(0, -1.15), (1.05, 0.85), (-1.05, 0.85)],
     "D": [(0, -1.2), (1.2, 0), (0, 1.2), (-1.2, 0)],
+    "v": [(0, 1.15), (1.05, -0.85), (-1.05, -0.85)],
+    "P": _PLUS,
+    "X": [((x - y) / np.sqrt(2), (x + y) / np.sqrt(2)) for x, y in _PLUS],
+    "*": [(r * np.sin(k * np.pi / 5), -r * np.cos(k * np.pi / 5)) for k, r in enumerate((1.3, 0.55) * 5)],
 }
 _FOR_HANDS = {"data-places", "data-stops", "data-hint"}
 

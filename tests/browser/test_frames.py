@@ -167,7 +167,7 @@ def test_every_slider_follows_mouse_and_finger(framed):
 
 
 with_rings = pytest.mark.parametrize(
-    "framed", ["02_drift.ipynb", "05_class_votes.ipynb"], indirect=True, scope="module"
+    "framed", ["02_drift.ipynb", "05_class_votes.ipynb", "09_filtering.ipynb"], indirect=True, scope="module"
 )
 
 

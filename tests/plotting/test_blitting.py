@@ -12,7 +12,6 @@ from npslam_teach.course.alternation import false_positives_explorer
 from npslam_teach.course.alternation.explorer import explore_alternation
 from npslam_teach.course.drift.explorer import explore_noise
 from npslam_teach.course.fifteen_objects.explorer import explore_method
-from npslam_teach.course.filtering import explorer as filtering_explorer
 from npslam_teach.course.office import explorer as office_explorer
 from npslam_teach.course.pose_graph.explorer import bad_starts, explore_gauss_newton
 from npslam_teach.course.what_breaks.explorer import explore_kernel, results_of
@@ -39,11 +38,6 @@ def small_room():
 def explore_bad_starts():
     starts, truth = bad_starts()
     return explore_gauss_newton(starts, truth.poses[:, :2])
-
-
-def explore_gate():
-    log, truth = simulate.toy_objects()
-    return filtering_explorer.explore_gate(log, 4, truth.world.class_names, labels=[0, 1, 2, -1, 1, -1, 3, 4])
 
 
 def explore_office():
@@ -79,7 +73,6 @@ EXPLORERS = {
         lambda: explore_believed_noise(results_of_recording_0()),
         [{"power": 2}, {"method": "ekf"}, {"power": -2}, {"method": "posterior"}],
     ),
-    "gate": (explore_gate, [{"gate": 0.5}, {"second_gate": 0.5}, {"gate": 5.0}, {"second_gate": 6.0}]),
 }
 
 

@@ -382,6 +382,12 @@ function render({ model, el }) {
   };
 }
 
+/** Parts that a frame adds come last, and must not lie over the rings. */
+const ringsLast = (parts) => {
+  const isRing = ([, [, attributes]]) => "data-stops" in attributes;
+  return Object.fromEntries(Object.entries(parts).sort((a, b) => isRing(a) - isRing(b)));
+};
+
 /** A model without a kernel: its answers were computed before, one for every place of the grids of its sliders. */
 function frozen({ controls, frames }) {
   const grids = controls.map((each) => each.grid ?? each.options.map((_, k) => k));
@@ -390,7 +396,7 @@ function frozen({ controls, frames }) {
   const parts = first.scene?.parts;
   const answer = (frame, answers) => {
     // Of a scene, a frame holds what differs from the first one.
-    const scene = frame.scene && { ...frame.scene, parts: { ...parts, ...frame.scene.parts } };
+    const scene = frame.scene && { ...frame.scene, parts: ringsLast({ ...parts, ...frame.scene.parts }) };
     for (const name of frame.without ?? []) delete scene.parts[name];
     return { ...frame, values: { ...first.values, ...values }, answers, ...(scene && { scene }) };
   };

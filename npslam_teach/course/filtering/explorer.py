@@ -32,21 +32,15 @@ def explore_gate(log: RobotLog, time: int, class_names: tuple, labels=None) -> E
     Raises:
         ValueError: no observation of this pose has the class of an object that is in the map by then.
     """
-    if not 0 <= time < log.num_poses:
-        raise ValueError(f"time: expected a pose from 0 to {log.num_poses - 1}, got {time}")
-    first, last = max(0, time - FARTHEST), min(log.num_poses - 1, time + FARTHEST)
-    steps = islice(filter_steps(log, labels=labels), first, last + 1)
-    moments = {step.time: moment_of(step, log) for step in steps}
-    if not np.isfinite(moments[time].squared_distance).any():
-        raise ValueError(f"time: expected a pose that sees a known object's class, pose {time} does not")
-    names = pictures.object_names(moments[last].step.object_class, class_names)
+    moments = _moments(log, time, labels)
+    names = pictures.object_names(moments[max(moments)].step.object_class, class_names)
     order = np.concatenate([each.step.observations for each in moments.values()]).tolist()
     room, poses = _room(moments), {t: each.step.prior_mean[:3] for t, each in moments.items()}
 
     def update(pose: int, gate: float, second_gate: float, xy: np.ndarray) -> tuple[str, Scene]:
         moment, second_gate = moments[pose], max(gate, second_gate)
         seen_at = xy[[order.index(k) for k in moment.step.observations.tolist()]]
-        squared = moment.squared_distance_of(se2.apply_inverse(moment.step.prior_mean[:3], seen_at))
+        squared = moment.squared_distance_of(se2.apply_inverse(poses[pose], seen_at))
         answers = assign(squared, gate**2, second_gate**2).tolist()
         told = [{UNASSIGNED: "left out", NEW: "new"}.get(each) or names[each] for each in answers]
         scene = Scene(gate_scene.SIZE)
@@ -56,14 +50,29 @@ def explore_gate(log: RobotLog, time: int, class_names: tuple, labels=None) -> E
         gate_scene.draw_robot(scene, room, poses, pose)
         return in_words(moment, squared, told, names, (gate, second_gate)), scene
 
-    seen_at = np.concatenate([se2.apply(m.step.prior_mean[:3], m.xy_robot) for m in moments.values()])
-    sliders = {
-        "pose": slider("the robot is at pose", time, first, last, 1),
+    seen_at = np.concatenate([se2.apply(poses[t], each.xy_robot) for t, each in moments.items()])
+    sliders = _sliders(time, moments)
+    frames = ({"pose": sliders["pose"].grid()} if len(moments) <= FARTHEST else {}) | FRAMES
+    return Explorer(None, update, frames, **sliders, xy=places("sightings", seen_at, room))
+
+
+def _moments(log: RobotLog, time: int, labels) -> dict[int, Moment]:
+    """The moments to which the robot can be led, by their pose; ValueError where there is nothing to ask."""
+    if not 0 <= time < log.num_poses:
+        raise ValueError(f"time: expected a pose from 0 to {log.num_poses - 1}, got {time}")
+    steps = islice(filter_steps(log, labels=labels), max(0, time - FARTHEST), time + FARTHEST + 1)
+    moments = {step.time: moment_of(step, log) for step in steps}
+    if not np.isfinite(moments[time].squared_distance).any():
+        raise ValueError(f"time: expected a pose that sees a known object's class, pose {time} does not")
+    return moments
+
+
+def _sliders(time: int, moments: dict[int, Moment]) -> dict:
+    return {
+        "pose": slider("the robot is at pose", time, min(moments), max(moments), 1),
         "gate": slider("gate (st. deviations)", 3.0, 0.5, WIDEST, 0.1),
         "second_gate": slider("second gate (st. dev.)", 5.3, 0.5, WIDEST, 0.1),
     }
-    frames = ({"pose": sliders["pose"].grid()} if log.num_poses <= FARTHEST else {}) | FRAMES
-    return Explorer(None, update, frames, **sliders, xy=places("sightings", seen_at, room))
 
 
 def in_words(moment: Moment, squared: np.ndarray, told: list[str], names: list[str], gates: tuple) -> str:

@@ -9,9 +9,7 @@ from PIL import Image
 from npslam_teach import plotting, simulate
 from npslam_teach.course.a_real_robot.explorer import explore_believed_noise, results_of_recording_0
 from npslam_teach.course.alternation import false_positives_explorer
-from npslam_teach.course.alternation.explorer import explore_alternation
 from npslam_teach.course.drift.explorer import explore_noise
-from npslam_teach.course.fifteen_objects.explorer import explore_method
 from npslam_teach.course.office import explorer as office_explorer
 from npslam_teach.course.pose_graph.explorer import bad_starts, explore_gauss_newton
 from npslam_teach.course.what_breaks.explorer import explore_kernel, results_of
@@ -55,17 +53,9 @@ def explore_widths():
 EXPLORERS = {
     "drift": (explore_noise, [{"noise": 3.0}, {"noise": 0.0}, {"noise": 1.0}]),
     "solver": (explore_bad_starts, [{"iteration": 3}, {"start": "thrown about"}, {"iteration": 0}]),
-    "alternation": (
-        lambda: explore_alternation(*small_room(), rounds=3),
-        [{"half_step": k} for k in (1, 2, 4, 0, 3)],
-    ),
     "false_positives": (
         lambda: false_positives_explorer.explore_false_positives(*simulate.toy_objects()),
         [{"epsilon": value} for value in (0.2, 0.49, 0.34, 0.0, 0.6)],
-    ),
-    "method": (
-        lambda: explore_method(*small_room()),
-        [{"alpha": 0.2}, {"threshold": 0.1}, {"alpha": 1.2}, {"threshold": None}],
     ),
     "office": (explore_office, [{"epsilon": 0.4}, {"method": "frame-by-frame"}, {"epsilon": 0.02}]),
     "kernel": (explore_widths, [{"noise": 2}, {"kernel_std": 0.5}, {"noise": 3}, {"kernel_std": 0.15}]),

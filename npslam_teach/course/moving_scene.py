@@ -52,7 +52,7 @@ def draw_snapshot(scene: Scene, room: Panel, snapshot: Snapshot, log: RobotLog, 
     used = snapshot.labels >= 0
     own[used] = landmarks[snapshot.labels[used]]  # what no object uses lies where it was seen
     draw_sightings(scene, room, own, log.obs_class)
-    _draw_objects(scene, room, snapshot, landmarks)
+    draw_objects(scene, room, snapshot, landmarks)
 
 
 def draw_path(scene: Scene, room: Panel, name: str, xy: np.ndarray) -> None:
@@ -61,7 +61,9 @@ def draw_path(scene: Scene, room: Panel, name: str, xy: np.ndarray) -> None:
     scene.add(name, "polyline", points=points, class_="estimate")
 
 
-def draw_sightings(scene: Scene, room: Panel, xy: np.ndarray, obs_class: np.ndarray) -> None:
+def draw_sightings(
+    scene: Scene, room: Panel, xy: np.ndarray, obs_class: np.ndarray, name: str = "sightings", style: str = "dot"
+) -> None:
     """A dot for each sighting, those of a class in one part.
 
     Args:
@@ -69,15 +71,23 @@ def draw_sightings(scene: Scene, room: Panel, xy: np.ndarray, obs_class: np.ndar
         room: the map.
         xy: (M, 2) m, W.
         obs_class: (M,).
+        name: a prefix for the names of the parts.
+        style: classes of the parts.
     """
     for c in np.unique(obs_class).tolist():
         dots = "".join(f"M{x:.0f},{y:.0f}h0" for x, y in room.to_page(xy[obs_class == c]))
-        look = {"fill": "none", "stroke": class_style(c)[0], "stroke_opacity": 0.6}
-        scene.add(f"sightings {c}", "path", d=dots, style="stroke-width: 5; stroke-linecap: round", **look)
+        scene.add(f"{name} {c}", "path", d=dots, stroke=class_style(c)[0], class_=style)
 
 
-def _draw_objects(scene: Scene, room: Panel, snapshot: Snapshot, landmarks: np.ndarray) -> None:
-    """A mark for each object seen at least twice; it bears the name of its first sighting, and glides with it."""
+def draw_objects(scene: Scene, room: Panel, snapshot: Snapshot, landmarks: np.ndarray) -> None:
+    """A mark for each object seen at least twice; it bears the name of its first sighting, and glides with it.
+
+    Args:
+        scene: gets them.
+        room: the map.
+        snapshot: with K objects.
+        landmarks: (K, 2) m, W.
+    """
     counts, classes = snapshot.votes[:, 1:].sum(axis=1), snapshot.votes[:, 1:].argmax(axis=1)
     first = {label: m for m, label in reversed(list(enumerate(snapshot.labels.tolist())))}
     for j in np.flatnonzero(counts >= SEEN_TWICE).tolist():
@@ -85,13 +95,14 @@ def _draw_objects(scene: Scene, room: Panel, snapshot: Snapshot, landmarks: np.n
         room.mark(scene, f"object {first.get(j, f'without {j}')}", landmarks[j], int(classes[j]), radius)
 
 
-def draw_key(scene: Scene, truth: GroundTruth, place: tuple[float, float]) -> None:
+def draw_key(scene: Scene, truth: GroundTruth, place: tuple[float, float], with_truth: bool = True) -> None:
     """What the marks and lines mean, in one row.
 
     Args:
         scene: gets it.
         truth: has the names of the classes.
         place: px, where the row begins.
+        with_truth: whether there are a true path and true objects.
     """
     x, y = place
     page = Panel((0.0, 0.0, *scene.size), (0.0, scene.size[0]), (scene.size[1], 0.0))  # px
@@ -100,10 +111,12 @@ def draw_key(scene: Scene, truth: GroundTruth, place: tuple[float, float]) -> No
         page.mark(scene, f"key {c}", (x, y - 5), c, 6.5)
         scene.add(f"key name {c}", "text", name, x=x + 13, y=y, class_="quiet")
         x += 34 + 8.0 * len(name)
-    for name, style in (("estimated path", "estimate"), ("true path", "truth")):
+    for name, style in (("estimated path", "estimate"), ("true path", "truth"))[: 1 + with_truth]:
         scene.add(f"key {name}", "path", d=f"M{x},{y - 5}h28", class_=style)
         scene.add(f"key name {name}", "text", name, x=x + 35, y=y, class_="quiet")
         x += 60 + 7.5 * len(name)
+    if not with_truth:
+        return
     scene.add("key ring", "circle", cx=x + 4, cy=y - 5, r=8, class_="truth")
     scene.add("key name ring", "text", "true object", x=x + 19, y=y, class_="quiet")
 

@@ -141,7 +141,7 @@ class Places(Control):
         return {"kind": "places", "name": name, "label": self.description, **bounds, **self._page}
 
 
-def slider(name: str, value: float, low: float, high: float, step: float) -> Slider:
+def slider(name: str, value: float, low: float, high: float, step: float, milliseconds: int = 0) -> Slider:
     """A slider with a field for its number; it has whole numbers if the step is a whole number.
 
     Args:
@@ -150,8 +150,9 @@ def slider(name: str, value: float, low: float, high: float, step: float) -> Sli
         low: its left end.
         high: its right end.
         step: of an arrow key.
+        milliseconds: that a value is shown while it plays; with 0 there are no buttons to play it.
     """
-    return Slider(name, value, low, high, step)
+    return Slider(name, value, low, high, step, milliseconds)
 
 
 def choice(name: str, options: dict) -> Choice:

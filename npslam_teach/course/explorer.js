@@ -5,9 +5,12 @@
 // same file runs without a kernel on frames that were computed before: see `frozen` at the end.
 
 const GLIDE = 220; // ms that a scene takes to become the next
+const LONGEST_GLIDE = 450; // ms, where a player moves it
 const PATIENCE = 4000; // ms without an answer before the page says so
 const SVG = "http://www.w3.org/2000/svg";
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+const CATCH = 30; // of a scene's px, from which a stop pulls a ring to it
+const HAND = new Set(["cx", "cy"]);
 const NUMBER = /-?\d+(?:\.\d+)?(?:e-?\d+)?/g;
 
 /** An element with attributes and children; names that begin with "on" are listeners. */
@@ -68,7 +71,8 @@ function sliderRow(spec, id, ask) {
   let value = spec.min, timer = 0;
   const range = h("input", { type: "range", id, min: 0, max: last, step: 1, "data-control": spec.name });
   const number = h("input", { type: "text", inputmode: "decimal", "aria-label": `${spec.label}, typed`, size: 6 });
-  const go = (wanted) => { show(wanted); ask({ [spec.name]: wanted }); };
+  const row = { glides: 0 }; // ms; a player's own steps glide, what a hand does is shown at once
+  const go = (wanted, glides = 0) => { row.glides = glides; show(wanted); ask({ [spec.name]: wanted }); };
   range.addEventListener("input", () => { pause(); go(at(Number(range.value))); });
   const take = () => {
     if (number.value === textOf(value, spec.step)) return;
@@ -81,7 +85,8 @@ function sliderRow(spec, id, ask) {
   number.addEventListener("keydown", (event) => { if (event.key === "Enter") take(); });
 
   const label = h("button", { type: "button", class: "play", onclick: () => (timer ? pause() : play()) });
-  const step = (by) => { pause(); go(at(clamp(nearest(value) + by, 0, last))); };
+  const glide = clamp(0.6 * spec.play, 0, LONGEST_GLIDE);
+  const step = (by) => { pause(); go(at(clamp(nearest(value) + by, 0, last)), glide); };
   const button = (name, sign, onclick) => h("button", { type: "button", "aria-label": name, title: name, onclick }, sign);
   function pause() {
     clearInterval(timer);
@@ -91,13 +96,13 @@ function sliderRow(spec, id, ask) {
     label.title = `play ${spec.label}`;
   }
   function play() {
-    if (nearest(value) === last) go(at(0));
+    if (nearest(value) === last) go(at(0), glide);
     label.textContent = "❚❚";
     label.setAttribute("aria-label", "pause");
     label.title = "pause";
     timer = setInterval(() => {
       if (!range.isConnected || nearest(value) === last) return pause();
-      go(at(nearest(value) + 1));
+      go(at(nearest(value) + 1), glide);
       if (nearest(value) === last) pause();
     }, spec.play);
   }
@@ -109,14 +114,21 @@ function sliderRow(spec, id, ask) {
   }
   pause();
   const buttons = spec.play ? [button("step back", "◀", () => step(-1)), label, button("step on", "▶|", () => step(1))] : [];
-  return { row: h("div", { class: "row" }, h("label", { for: id }, spec.label), range, number, ...buttons), show, play, stop: pause };
+  const line = h("div", { class: "row" }, h("label", { for: id }, spec.label), range, number, ...buttons);
+  const fits = (wanted) => (grid ? grid.includes(wanted) : wanted >= spec.min && wanted <= spec.max);
+  const further = (sign) => {
+    const place = nearest(value) + (sign === ">" ? 1 : -1);
+    return place === clamp(place, 0, last) ? at(place) : NaN; // there is no further
+  };
+  return Object.assign(row, { row: line, show, play, stop: pause, at: () => value, fits, further });
 }
 
 function choiceRow(spec, id, ask) {
   const list = h("select", { id, "data-control": spec.name, onchange: () => ask({ [spec.name]: list.selectedIndex }) });
   list.append(...spec.options.map((text) => h("option", {}, text)));
   const row = h("div", { class: "row" }, h("label", { for: id }, spec.label), list);
-  return { row, show: (place) => { list.selectedIndex = place; }, stop() {} };
+  const fits = (place) => place in spec.options;
+  return { row, show: (place) => { list.selectedIndex = place; }, stop() {}, at: () => list.selectedIndex, fits };
 }
 
 /** What lies between two texts that differ in their numbers alone; the second one otherwise. */
@@ -127,6 +139,8 @@ function between(from, to, share) {
   return to.replace(NUMBER, () => { const [p, q] = [Number(a[k]), Number(b[k])]; k += 1; return String(+(p + share * (q - p)).toFixed(2)); });
 }
 
+const calm = matchMedia("(prefers-reduced-motion: reduce)");
+
 /** A drawing of parts, each [tag, attributes, text] by its name; a part glides from what it was to what it becomes. */
 function sceneOf(figure, model, ask, rows) {
   const svg = document.createElementNS(SVG, "svg");
@@ -134,13 +148,12 @@ function sceneOf(figure, model, ask, rows) {
   svg.setAttribute("aria-label", "picture with points that can be moved");
   figure.prepend(svg);
   const drawn = new Map(); // name: { element, attributes }
-  const calm = matchMedia("(prefers-reduced-motion: reduce)");
   const places = Object.fromEntries(model.get("controls").filter((each) => each.kind === "places").map((each) => [each.name, each]));
   let frame = 0, held = null, values = {};
 
-  function show(scene, newValues, wishes) {
+  function show(scene, newValues, wishes, glide) {
     values = { ...newValues, ...wishes };
-    if (held) values[held.control.name] = held.value;
+    if (held?.control) values[held.control.name] = held.value;
     svg.setAttribute("viewBox", `0 0 ${scene.size.join(" ")}`);
     svg.style.maxWidth = `${scene.size[0]}px`;
     for (const [name, { element }] of drawn) if (!(name in scene.parts)) { element.remove(); drawn.delete(name); }
@@ -155,6 +168,7 @@ function sceneOf(figure, model, ask, rows) {
         drawn.set(name, part);
         for (const [key, value] of Object.entries(attributes)) part.element.setAttribute(key, value);
         if ("data-index" in attributes) grasp(part.element, places[owner], Number(attributes["data-index"]));
+        if ("data-stops" in attributes) grip(part);
       }
       if (svg.children[moves.length] !== part.element) svg.insertBefore(part.element, svg.children[moves.length] ?? null);
       if (part.element.textContent !== (text ?? "")) part.element.textContent = text ?? "";
@@ -164,14 +178,108 @@ function sceneOf(figure, model, ask, rows) {
     cancelAnimationFrame(frame);
     const begin = performance.now();
     const draw = (now) => {
-      const share = calm.matches || held || document.hidden ? 1 : clamp((now - begin) / GLIDE, 0, 1);
+      const share = calm.matches || held || document.hidden ? 1 : clamp((now - begin) / glide, 0, 1);
       for (const [element, to, from] of moves) {
-        if (element === held?.element) continue; // it is where the hand is
-        for (const key of Object.keys(to)) element.setAttribute(key, share < 1 ? between(from[key], to[key], share) : to[key]);
+        for (const key of Object.keys(to)) {
+          if (element === held?.element && HAND.has(key)) continue; // it is where the hand is
+          element.setAttribute(key, share < 1 ? between(from[key], to[key], share) : to[key]);
+        }
       }
       if (share < 1) frame = requestAnimationFrame(draw);
     };
     draw(begin + 16);
+  }
+
+  /** Let mouse and finger lead an element; `take` says what is held, and `move` gets points of the picture. */
+  function lead(element, { take, move, drop }) {
+    const pointer = (event) => {
+      const { x, y } = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+      move(x, y);
+    };
+    element.addEventListener("pointerdown", (event) => {
+      event.preventDefault();
+      element.focus();
+      element.setPointerCapture(event.pointerId);
+      held = { element, ...take() };
+    });
+    // A finger on a handle drags it and does not scroll the page.
+    element.addEventListener("touchstart", (event) => event.preventDefault(), { passive: false });
+    element.addEventListener("pointermove", (event) => { if (held?.element === element) pointer(event); });
+    for (const end of ["pointerup", "pointercancel"]) {
+      element.addEventListener(end, (event) => {
+        if (held?.element !== element) return;
+        if (end === "pointerup") pointer(event); // a quick finger's last move comes with its end
+        held = null;
+        drop(end === "pointerup");
+      });
+    }
+  }
+
+  /** Make a part move controls: it has stops, which it follows, or one of which it is dropped on. */
+  function grip(part) {
+    const { element } = part, follows = () => part.attributes["data-follows"] === "true";
+    const reach = () => Number(part.attributes["data-reach"]);
+    const home = () => [part.attributes.cx, part.attributes.cy].map(Number);
+    const place = ([x, y]) => { element.setAttribute("cx", x); element.setAttribute("cy", y); };
+    /** Of "x y value value": the place, and by name what the controls are set to; ">" is a step on, "<" one back. */
+    const stopOf = (text) => {
+      const [x, y, ...told] = text.split(" "), names = part.attributes["data-moves"].split(" ");
+      const wanted = names.map((name, k) => [name, told[k] === ">" || told[k] === "<" ? rows.get(name)?.further(told[k]) : Number(told[k])]);
+      return [Number(x), Number(y), Object.fromEntries(wanted)];
+    };
+    // Without a kernel a control has few values, or is not there, and so are the stops.
+    const there = ([, , wanted]) => Object.entries(wanted).every(([name, value]) => rows.get(name)?.fits(value));
+    const stops = () => part.attributes["data-stops"].split(";").map(stopOf).filter(there);
+    const distance = ([x, y], [p, q]) => Math.hypot(x - p, y - q);
+    const nearest = (at, all = stops()) => all.reduce((best, each) => (best && distance(best, at) <= distance(each, at) ? best : each), null);
+    const go = ([, , wanted]) => {
+      for (const [name, value] of Object.entries(wanted)) {
+        const row = rows.get(name);
+        row.stop();
+        row.glides = 0;
+        row.show(value);
+      }
+      ask(wanted);
+    };
+    let begin = null, over = null, moved = false; // where it was taken, the stop that it is at, whether it has left
+
+    lead(element, {
+      take() { [begin, over, moved] = [null, null, false]; },
+      move(x, y) {
+        begin ??= [x, y];
+        moved ||= distance(begin, [x, y]) > 4;
+        if (!moved) return;
+        const stop = nearest([x, y]), before = over;
+        over = stop && (follows() || distance(stop, [x, y]) < reach()) ? stop : null;
+        place(over && (follows() || distance(over, [x, y]) < CATCH) ? over : [x, y]);
+        if (follows() && over && String(over) !== String(before)) go(over);
+      },
+      drop(done) {
+        if (!moved && done && !follows() && stops().length === 1) over = stops()[0]; // one way: a press is enough
+        if (!over) return place(home());
+        if (!follows()) (done ? go : () => place(home()))(over);
+      },
+    });
+    element.addEventListener("keydown", (event) => {
+      if (event.ctrlKey || event.altKey || event.metaKey) return;
+      const arrow = ARROWS[event.key], all = stops(), [x, y] = home();
+      if (!all.length || (!arrow && !["Enter", " "].includes(event.key))) return;
+      event.preventDefault();
+      if (!arrow) { if (all.length === 1) go(all[0]); return; }
+      if (follows()) {
+        const isHere = ([, , wanted]) => Object.entries(wanted).every(([name, value]) => rows.get(name).at() === value);
+        const now = all.indexOf(all.find(isHere) ?? nearest([x, y], all));
+        const by = (arrow[0] + arrow[1]) * (event.shiftKey ? 5 : 1);
+        return go(all[clamp(now + by, 0, all.length - 1)]);
+      }
+      // The one that lies most nearly where the arrow points; page y runs downwards.
+      const cost = ([p, q]) => {
+        const [along, aside] = [(p - x) * arrow[0] - (q - y) * arrow[1], (p - x) * arrow[1] + (q - y) * arrow[0]];
+        return along > 4 ? along + 2 * Math.abs(aside) : Infinity;
+      };
+      const best = all.reduce((found, each) => (cost(each) < cost(found) ? each : found));
+      if (cost(best) < Infinity) go(best);
+    });
   }
 
   /** Make a part follow mouse, finger and arrow keys. */
@@ -195,28 +303,11 @@ function sceneOf(figure, model, ask, rows) {
       const at = ({ element: { cx, cy } }) => [(cx.baseVal.value - scale[1]) / scale[0], (cy.baseVal.value - scale[3]) / scale[2]].map(exact);
       values = { ...values, [control.name]: handles.map(at) };
     };
-    const pointer = (event) => {
-      const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
-      moveTo((point.x - scale[1]) / scale[0], (point.y - scale[3]) / scale[2]);
-    };
-    element.addEventListener("pointerdown", (event) => {
-      event.preventDefault();
-      element.focus();
-      element.setPointerCapture(event.pointerId);
-      takeAsDrawn();
-      held = { element, control, value: values[control.name] };
+    lead(element, {
+      take() { takeAsDrawn(); return { control, value: values[control.name] }; },
+      move: (x, y) => moveTo((x - scale[1]) / scale[0], (y - scale[3]) / scale[2]),
+      drop: () => player?.play(),
     });
-    // A finger on a handle drags it and does not scroll the page.
-    element.addEventListener("touchstart", (event) => event.preventDefault(), { passive: false });
-    element.addEventListener("pointermove", (event) => { if (held?.element === element) pointer(event); });
-    for (const end of ["pointerup", "pointercancel"]) {
-      element.addEventListener(end, (event) => {
-        if (held?.element !== element) return;
-        if (end === "pointerup") pointer(event); // a quick finger's last move comes with its end
-        held = null;
-        player?.play();
-      });
-    }
     element.addEventListener("keydown", (event) => {
       const arrow = ARROWS[event.key];
       if (!arrow || event.ctrlKey || event.altKey || event.metaKey) return;
@@ -246,7 +337,7 @@ function render({ model, el }) {
   function show() {
     const shown = model.get("shown");
     asking.answered(shown);
-    const wishes = asking.wishes();
+    const wishes = asking.wishes(), glide = Math.max(...[...rows.values()].map((row) => row.glides ?? 0), 0);
     for (const [name, row] of rows) if (!(name in wishes) && name in shown.values) row.show(shown.values[name]);
     error.textContent = shown.error ?? "";
     figure.hidden = Boolean(shown.error);
@@ -254,7 +345,7 @@ function render({ model, el }) {
     caption.textContent = shown.words;
     if (shown.scene) {
       scene ??= sceneOf(figure, model, asking.ask, rows);
-      scene.show(shown.scene, shown.values, wishes);
+      scene.show(shown.scene, shown.values, wishes, glide || GLIDE);
       caption.setAttribute("aria-live", "polite");
       return;
     }
@@ -263,9 +354,14 @@ function render({ model, el }) {
       image = h("img", { width: shown.size[0], height: shown.size[1] });
       caption.setAttribute("aria-hidden", "true");
       figure.setAttribute("aria-live", "polite");
-      figure.prepend(image);
+      figure.prepend(h("div", { class: "picture" }, image));
     }
     image.alt = shown.words;
+    if (glide && !calm.matches && !document.hidden && image.src) {
+      // The picture before lies behind the next one while that appears.
+      image.parentElement.style.backgroundImage = `url("${image.src}")`;
+      image.animate({ opacity: [0, 1] }, { duration: glide, easing: "ease-in-out" });
+    }
     image.src = shown.src;
   }
 
@@ -286,6 +382,12 @@ function render({ model, el }) {
   };
 }
 
+/** Parts that a frame adds come last, and must not lie over the rings. */
+const ringsLast = (parts) => {
+  const isRing = ([, [, attributes]]) => "data-stops" in attributes;
+  return Object.fromEntries(Object.entries(parts).sort((a, b) => isRing(a) - isRing(b)));
+};
+
 /** A model without a kernel: its answers were computed before, one for every place of the grids of its sliders. */
 function frozen({ controls, frames }) {
   const grids = controls.map((each) => each.grid ?? each.options.map((_, k) => k));
@@ -294,7 +396,7 @@ function frozen({ controls, frames }) {
   const parts = first.scene?.parts;
   const answer = (frame, answers) => {
     // Of a scene, a frame holds what differs from the first one.
-    const scene = frame.scene && { ...frame.scene, parts: { ...parts, ...frame.scene.parts } };
+    const scene = frame.scene && { ...frame.scene, parts: ringsLast({ ...parts, ...frame.scene.parts }) };
     for (const name of frame.without ?? []) delete scene.parts[name];
     return { ...frame, values: { ...first.values, ...values }, answers, ...(scene && { scene }) };
   };

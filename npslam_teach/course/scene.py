@@ -15,12 +15,19 @@ from npslam_teach.plotting.style import class_style
 
 CSS = (Path(__file__).parent / "scene.css").read_text(encoding="utf-8")
 PAGE_CSS = "".join(f".npslam-explorer svg {line}\n" for line in CSS.splitlines())
+_PLUS = ((-0.4, -1.1), (0.4, -1.1), (0.4, -0.4), (1.1, -0.4), (1.1, 0.4), (0.4, 0.4))
+_PLUS += tuple((-x, -y) for x, y in _PLUS)
 _SHAPES = {
     "o": None,
     "s": [(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
     "^": [(0, -1.15), (1.05, 0.85), (-1.05, 0.85)],
     "D": [(0, -1.2), (1.2, 0), (0, 1.2), (-1.2, 0)],
+    "v": [(0, 1.15), (1.05, -0.85), (-1.05, -0.85)],
+    "P": _PLUS,
+    "X": [((x - y) / np.sqrt(2), (x + y) / np.sqrt(2)) for x, y in _PLUS],
+    "*": [(r * np.sin(k * np.pi / 5), -r * np.cos(k * np.pi / 5)) for k, r in enumerate((1.3, 0.55) * 5)],
 }
+_FOR_HANDS = {"data-places", "data-stops", "data-hint"}
 
 
 @dataclass
@@ -41,7 +48,7 @@ class Scene:
 
     def svg(self) -> str:
         """The same as a file, without what only a hand needs."""
-        drawn = "".join(_markup(*part) for part in self.parts.values() if "data-places" not in part[1])
+        drawn = "".join(_markup(*part) for part in self.parts.values() if not _FOR_HANDS & part[1].keys())
         width, height = self.size
         box = f'viewBox="0 0 {width:g} {height:g}" width="{width:g}" height="{height:g}"'
         head = f'<svg xmlns="http://www.w3.org/2000/svg" {box}>'
@@ -141,6 +148,32 @@ class Panel:
         what = {"aria_roledescription": "point to drag", "aria_label": f"{label}; arrow keys move it"}
         owner = {"data_places": places[0], "data_index": places[1]}
         scene.add(name, "circle", cx=x, cy=y, r=radius, **seen, **what, **owner)
+
+    def grip(self, scene: Scene, name: str, xy, stops: list, label: str, reach: float | None = None, **style) -> None:
+        """A ring that moves controls: it has places to go to, with or without a kernel.
+
+        Args:
+            scene: gets it.
+            name: of the part.
+            xy: (2,) where it lies.
+            stops: ``(xy, values)`` for each place: what some controls, the same for all places, are set to there, by
+                name and as the page counts them (of a list the number of the option); ">" is a step on from where a
+                control stands, and "<" a step back.
+            label: what a screen reader says.
+            reach: px within which a stop catches what is dropped. None where the ring goes from stop to stop while it
+                is held; the arrow keys follow their order then.
+            style: other attributes of the ring, among them its radius ``r``.
+        """
+        x, y = self.to_page(xy)[0].round(1)  # as its stops are
+        places = [[*self.to_page(where)[0].round(1), *values.values()] for where, values in stops]
+        seen = {"r": 16.0, "class_": "handle mark", "fill": "transparent", "tabindex": 0, "role": "button"} | style
+        what = {"aria_roledescription": "point to drag", "aria_label": label}
+        where = {"data_follows": "true"} if reach is None else {"data_reach": reach}
+        where |= {
+            "data_moves": " ".join(stops[0][1]),
+            "data_stops": ";".join(" ".join(map(_written, each)) for each in places),
+        }
+        scene.add(name, "circle", cx=x, cy=y, **seen, **what, **where)
 
 
 def _markup(tag: str, attributes: dict, text: str = "") -> str:

@@ -15,10 +15,12 @@ from npslam_teach.course.controls import Choice, Control, Places
 from npslam_teach.course.explorers import Explorer
 
 MEASURE = (Path(__file__).parent / "latency.js").read_text(encoding="utf-8")
-# Of a scene: every part with its attributes and its text, in order.
+# Of a scene: every part with its attributes and its text, in order; a pressed key leaves an attribute of its own.
 PICTURE = """root => {
     const [image, words] = [root.querySelector("figure img"), root.querySelector("figcaption").textContent];
-    const named = (each) => Object.fromEntries([...each.attributes].map(({ name, value }) => [name, value]));
+    const own = ({ name }) => name !== "data-lm-suppress-shortcuts";
+    const pairs = (each) => [...each.attributes].filter(own).map(({ name, value }) => [name, value]);
+    const named = (each) => Object.fromEntries(pairs(each));
     const part = (each) => [each.tagName, named(each), each.textContent];
     const parts = [...root.querySelectorAll("figure svg > *")].map(part);
     return { source: image?.src ?? parts, alt: image?.alt ?? words, words };
@@ -213,3 +215,41 @@ class Shown:
     def latencies(self) -> list[float]:
         """Milliseconds from each key press to changed pixels since the last call."""
         return self.root.evaluate("root => root.latencies.splice(0)")
+
+
+def place_on_screen(ring, xy) -> tuple[float, float]:
+    """Where a point of a scene is in the window, px.
+
+    Args:
+        ring: a locator of any part of the scene.
+        xy: (2,) as the scene counts.
+    """
+    to_screen = "(each, [x, y]) => new DOMPoint(x, y).matrixTransform(each.ownerSVGElement.getScreenCTM()).toJSON()"
+    point = ring.evaluate(to_screen, list(xy))
+    return point["x"], point["y"]
+
+
+def led(page, ring, places, hand: str) -> None:
+    """Take hold of a ring with mouse or finger, lead it through places of its scene, and let go.
+
+    Args:
+        page: that it is in.
+        ring: its locator.
+        places: (2,) each, as the scene counts; it begins where the ring lies.
+        hand: "mouse" or "finger".
+    """
+    begin = [float(ring.get_attribute(each)) for each in ("cx", "cy")]
+    way = [place_on_screen(ring, xy) for xy in (begin, *places)]
+    if hand == "mouse":
+        page.mouse.move(*way[0])
+        page.mouse.down()
+        for at in way[1:]:
+            page.mouse.move(*at, steps=3)
+        page.mouse.up()
+        return
+    session = page.context.new_cdp_session(page)
+    touches = [("touchStart", way[0]), *(("touchMove", at) for at in way[1:]), ("touchEnd", None)]
+    for kind, at in touches:
+        points = [{"x": at[0], "y": at[1]}] if at else []
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    session.detach()

@@ -9,8 +9,9 @@ import re
 import nbformat
 import pytest
 from axe import violations
-from explorers import EXPLORER, PICTURE, lessons_with_explorers
+from explorers import EXPLORER, PICTURE, led, lessons_with_explorers
 from lab_server import ROOT, new_context
+from rings import ring_of
 
 SHOTS = ROOT / "build" / "screenshots"
 FROZEN = re.compile(r"frozen\((.*)\), el: place")
@@ -85,6 +86,35 @@ class Framed:
             told.add(self.compare())
         return told
 
+    def ring(self, locator):
+        """What a ring is now, and its stops that lead to values with frames: (x, y, place in the grid by control)."""
+        ring = ring_of(
+            locator.evaluate("each => Object.fromEntries([...each.attributes].map((a) => [a.name, a.value]))")
+        )
+        return ring, [(x, y, wanted) for x, y, *values in ring.stops if (wanted := self.wanted(ring.moves, values))]
+
+    def wanted(self, names, values) -> dict | None:
+        """By name the place in the grid of each control; None if a value has none."""
+        controls, places = {each["name"]: each for each in self.controls}, {}
+        for name, value in zip(names, values, strict=True):
+            control = controls.get(name)
+            if control is None:
+                return None
+            last = self.size(control) - 1
+            grid = control.get("grid") or list(range(last + 1))
+            if value in "<>":
+                places[name] = self.index(control) + (1 if value == ">" else -1)
+                if not 0 <= places[name] <= last:
+                    return None
+            elif float(value) in grid:
+                places[name] = grid.index(float(value))
+            else:
+                return None
+        return places
+
+    def set_to(self) -> dict:
+        return {each["name"]: self.index(each) for each in self.controls}
+
 
 @pytest.fixture(scope="module")
 def framed(request, chromium, tmp_path_factory):
@@ -136,6 +166,48 @@ def test_every_slider_follows_mouse_and_finger(framed):
                 explorer.compare()
 
 
+with_rings = pytest.mark.parametrize(
+    "framed", ["02_drift.ipynb", "05_class_votes.ipynb", "09_filtering.ipynb"], indirect=True, scope="module"
+)
+
+
+@with_rings
+@pytest.mark.parametrize("hand", ["mouse", "finger"])
+def test_a_ring_goes_where_a_hand_leads_it(framed, hand):
+    page, explorers = framed
+    some = 0
+    for explorer in explorers:
+        for locator in explorer.root.locator("[data-stops]").all():
+            ring, stops = explorer.ring(locator)
+            if not stops:
+                continue
+            locator.scroll_into_view_if_needed()
+            x, y, wanted = max(stops, key=lambda each: abs(each[0] - ring.xy[0]) + abs(each[1] - ring.xy[1]))
+            led(page, locator, [(0.5 * (x + ring.xy[0]), 0.5 * (y + ring.xy[1])), (x, y)], hand)
+            page.wait_for_function("() => new Promise((done) => setTimeout(() => done(true), 50))")
+            assert explorer.set_to().items() >= wanted.items()
+            explorer.compare()
+            some += 1
+    assert some > 0
+
+
+@with_rings
+def test_a_ring_follows_the_arrow_keys(framed):
+    """From stop to stop in their order, or to the one that lies where an arrow points; Enter where there is one."""
+    for explorer in framed[1]:
+        for locator in explorer.root.locator("[data-stops]").all():
+            ring, stops = explorer.ring(locator)
+            told, order = {explorer.compare()}, [wanted for _, _, wanted in stops]
+            for key, by in {"ArrowRight": 1, "ArrowUp": 1, "ArrowDown": -1, "ArrowLeft": -1, "Enter": 0}.items():
+                now = {name: explorer.set_to()[name] for name in ring.moves}
+                locator.press(key)
+                told.add(explorer.compare())
+                if ring.follows:
+                    place = min(max(order.index(now) + by, 0), len(order) - 1)
+                    assert explorer.set_to().items() >= order[place].items()
+            assert len(told) > 1 or not stops
+
+
 @every_lesson
 def test_the_page_can_be_read_on_a_phone_and_on_a_laptop(framed, request):
     page, explorers = framed
@@ -144,7 +216,7 @@ def test_the_page_can_be_read_on_a_phone_and_on_a_laptop(framed, request):
         assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth"), width
         assert page.locator("[data-index]").count() == 0, "nothing to drag where nothing answers"
         for explorer in explorers:
-            picture = explorer.root.locator("figure > :is(img, svg)")
+            picture = explorer.root.locator("figure :is(img, svg)")
             assert picture.bounding_box()["width"] > 0.6 * min(width, 600)
         SHOTS.mkdir(parents=True, exist_ok=True)
         number = request.node.callspec.params["framed"][:2]

@@ -1,6 +1,7 @@
 """Lesson 06: the alternation, its pictures and explorers, and the checks of its exercises."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -11,11 +12,13 @@ from readable import assert_readable
 
 from npslam_teach import evaluation, np_graph, optimize, plotting, pose_graph, se2, simulate, sweep
 from npslam_teach.association import all_partitions, objective
+from npslam_teach.course import moving_scene
 from npslam_teach.course.alternation import checks, false_positives_explorer, pictures
 from npslam_teach.course.alternation import explorer as alternation_explorer
 from npslam_teach.course.alternation import figures as figures06
 from npslam_teach.methods.np_graph import CONSISTENT_STD, half_steps
 from npslam_teach.methods.snapshots import snapshot
+from npslam_teach.plotting.maps import laid_over_truth
 from npslam_teach.pose_graph import with_associations
 
 
@@ -207,25 +210,59 @@ def test_figure_13_shows_what_its_text_says():
 # --- the explorers ---------------------------------------------------------------------------------------------------
 
 
+def middle_of(part):
+    """The middle of a circle or a polygon, px."""
+    if part[0] == "circle":
+        return [float(part[1]["cx"]), float(part[1]["cy"])]
+    corners = np.array([each.split(",") for each in part[1]["points"].split()], dtype=float)
+    return (corners.min(axis=0) + corners.max(axis=0)) / 2
+
+
+def dots_of(part):
+    """The points of a path of dots, px."""
+    return np.array(re.findall(r"M(-?\d+),(-?\d+)h0", part[1]["d"]), dtype=float)
+
+
 def test_the_alternation_player_shows_every_half_step(room):
+    """Every sighting lies on its object, and every object that was seen twice has its mark."""
     log, truth = room
     explorer = alternation_explorer.explore_alternation(log, truth)
     steps = half_steps(log)
-    left, middle, right = explorer.figure.axes
+    panel = moving_scene.room_of(steps, truth, alternation_explorer.MAP)
     assert explorer.sliders["half_step"].max == len(steps) - 1
     for k, step in enumerate(steps):
         words = explorer.move(half_step=k)
+        parts = explorer.scene.parts
         assert f"{step.objective:.1f}" in words
         if k % 2 or k == 0:
             assert f"{step.num_objects}" in words
-        drawn = sum(len(c.get_offsets()) for c in left.collections[-log.num_classes :])
-        assert drawn == step.num_objects
-        assert middle.lines[-1].get_xydata().tolist() == [[k, step.num_objects]]
-        assert right.lines[-1].get_xydata().tolist() == [[k, step.objective]]
+        _, landmarks = laid_over_truth(step, truth)
+        for c in range(log.num_classes):
+            own = landmarks[step.labels[log.obs_class == c]]
+            np.testing.assert_allclose(dots_of(parts[f"sightings {c}"]), panel.to_page(own), atol=0.51)
+        marks = np.array([middle_of(part) for name, part in parts.items() if name.startswith("object ")])
+        twice = panel.to_page(landmarks[np.bincount(step.labels) >= 2]) if k else np.zeros((0, 2))
+        assert len(marks) == len(twice)
+        if k:
+            apart = np.linalg.norm(marks[:, None] - twice, axis=-1)
+            assert apart.min(axis=0).max() < 3.0, "px; a triangle's middle is not its centre"
+        assert parts["counts title"][2] == f"{step.num_objects} objects (log scale)"
+        assert parts["falls title"][2] == f"objective: {step.objective:.1f} nats"
+        assert float(parts["counts dot"][1]["cx"]) == float(parts["falls dot"][1]["cx"])
         title = "start" if k == 0 else ("who is who" if k % 2 else "where everything is")
-        assert left.get_title() == title
-    np.testing.assert_allclose(right.lines[0].get_ydata(), [step.objective for step in steps])
-    assert_readable(explorer.figure)
+        assert parts["map title"][2] == title
+
+
+def test_every_part_that_glides_keeps_its_numbers(room):
+    """A text glides into another one if they differ in their numbers alone: paths and sightings have as many always."""
+    explorer = alternation_explorer.explore_alternation(*room)
+    shapes = set()
+    for k in (0, 1, 2, explorer.sliders["half_step"].max):
+        explorer.move(half_step=k)
+        parts = explorer.scene.parts
+        texts = [parts["path"][1]["points"], *(parts[f"sightings {c}"][1]["d"] for c in range(5))]
+        shapes.add(tuple(re.sub(r"-?\d+(\.\d+)?", "#", text) for text in texts))
+    assert len(shapes) == 1
 
 
 def test_the_words_do_not_hide_a_rise(toy):

@@ -1,14 +1,20 @@
 """Lesson 05: its checks know the usual mistakes, its pictures hold the numbers, its densities are densities."""
 
+import base64
+import io
+import re
+
 import numpy as np
 import pytest
 from exercises import assert_names_the_mistake
 from matplotlib.colors import to_hex
+from PIL import Image
 from readable import assert_readable
+from rings import rings_of
 
 from npslam_teach import association, np_graph, plotting, simulate
 from npslam_teach.association import class_posterior, count_votes, false_positives
-from npslam_teach.course.class_votes import checks, figures, pictures
+from npslam_teach.course.class_votes import checks, figures, pictures, triangle
 from npslam_teach.course.class_votes import explorer as class_votes_explorer
 from npslam_teach.evaluation import Metrics
 from npslam_teach.plotting.maps import laid_over_truth
@@ -254,8 +260,6 @@ def test_the_triangle_shades_its_density_and_names_its_corners(ax):
     shading = pictures.plot_triangle(ax, np.array([3.0, 1.0, 1.0]), CLASSES)
     points, _ = pictures.triangle_points()
     assert np.allclose(shading.get_array(), pictures.shade(np.array([3.0, 1.0, 1.0]), points))
-    pictures.set_triangle(shading, np.array([1.0, 5.0, 2.0]))
-    assert np.allclose(shading.get_array(), pictures.shade(np.array([1.0, 5.0, 2.0]), points))
     for text, corner, name in zip(ax.texts, pictures.CORNERS, CLASSES, strict=True):
         assert text.get_text() == f"{name}: 1" and np.allclose(text.xy, corner)
     assert ax.get_aspect() == 1.0
@@ -317,35 +321,87 @@ def explorer():
     return class_votes_explorer.explore_triangle()
 
 
+def at(scene, name):
+    """The middle of a mark in the triangle's units, or None where there is no such mark."""
+    if name not in scene.parts:
+        return None
+    tag, named = scene.parts[name]
+    if tag == "circle":
+        middle = [float(named["cx"]), float(named["cy"])]
+    elif tag == "rect":
+        middle = [float(named[key]) + float(named[size]) / 2 for key, size in (("x", "width"), ("y", "height"))]
+    else:
+        corners = np.array([each.split(",") for each in named["points"].split()], dtype=float)
+        middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
+    a, x0, b, y0 = triangle.TRIANGLE.scale
+    return (np.array(middle) - (x0, y0)) / (a, b)
+
+
 @pytest.mark.parametrize("votes", [(7, 3, 0), (0, 0, 0), (20, 20, 20), (0, 1, 0), (2, 0, 20)])
 @pytest.mark.parametrize("prior", [0.2, 1.0, 2.0])
 def test_the_explorer_agrees_with_the_formulas(explorer, votes, prior):
     words = explorer.move(first=votes[0], second=votes[1], third=votes[2], prior=prior)
     votes = np.array(votes, dtype=float)
-    a = votes + prior
-    ax = explorer.figure.axes[0]
-    points, _ = pictures.triangle_points()
-    assert np.allclose(ax.collections[0].get_array(), pictures.shade(a, points))
-    likely, mean, mode = (line for line in ax.lines if line.get_marker() in ("s", "o", "D"))
-    assert np.allclose(mean.get_xydata()[0], pictures.on_triangle(a / a.sum()))
+    a, scene = votes + prior, explorer.scene
+    assert scene.parts["density"][1]["href"] == triangle.shading(a)
+    assert np.allclose(at(scene, "mean"), pictures.on_triangle(a / a.sum()), atol=1e-4)
     assert "mean " + ", ".join(f"{share:.2f}" for share in a / a.sum()) in words
-    assert likely.get_visible() == votes.any()
     if votes.any():
-        assert np.allclose(likely.get_xydata()[0], pictures.on_triangle(votes / votes.sum()))
+        assert np.allclose(at(scene, "maximum likelihood"), pictures.on_triangle(votes / votes.sum()), atol=1e-4)
         assert "maximum likelihood " + ", ".join(f"{share:.2f}" for share in votes / votes.sum()) in words
     else:
-        assert "no maximum likelihood" in words
+        assert at(scene, "maximum likelihood") is None and "no maximum likelihood" in words
     exists = (a >= 1).all() and (a > 1).any()
-    assert mode.get_visible() == exists
+    assert (at(scene, "mode") is not None) == exists
+    if exists:
+        assert np.allclose(at(scene, "mode"), pictures.on_triangle((a - 1) / (a - 1).sum()), atol=1e-4)
     assert ("no mode" in words) == (not exists)
     assert ("infinite" in words) == (a < 1).any()
-    (samples,) = (line for line in ax.lines if line.get_marker() == ".")
-    xy = samples.get_xydata()
-    assert len(xy) == class_votes_explorer.NUM_SAMPLES and np.isfinite(xy).all()
-    assert (xy[:, 1] >= -1e-9).all() and (xy[:, 1] <= np.sqrt(3) / 2 + 1e-9).all()
+    dots = np.array(re.findall(r"M(\d+),(\d+)h0", scene.parts["samples"][1]["d"]), dtype=float)
+    assert len(dots) == class_votes_explorer.NUM_SAMPLES
+    assert np.allclose(
+        dots, triangle.TRIANGLE.to_page(pictures.on_triangle(class_votes_explorer.samples_of(a))), atol=0.51
+    )
 
 
-def test_the_explorers_picture_is_readable_at_its_ends(explorer):
-    for settings in ({"first": 0, "second": 0, "third": 0, "prior": 0.2}, {"first": 20, "prior": 2.0}):
-        explorer.move(**settings)
-        assert_readable(explorer.figure)
+@pytest.mark.parametrize("concentration", [(8.0, 4.0, 1.0), (1.0, 1.0, 1.0), (0.5, 3.0, 9.0)])
+def test_the_shading_is_as_opaque_as_the_density_is_high(concentration):
+    """At points of the triangle that are looked up in the picture, within one level and one pixel."""
+    a = np.array(concentration)
+    content = base64.b64decode(triangle.shading(a).split(",")[1])
+    opacity = np.asarray(Image.open(io.BytesIO(content)).convert("RGBA"))[..., 3] / 255
+    height, width = opacity.shape
+    points = np.random.default_rng(0).dirichlet(np.ones(3), 500)
+    x, y = pictures.on_triangle(points).T
+    column, row = (x * width).astype(int), ((1 - y / pictures.CORNERS[2, 1]) * height).astype(int)
+    middle = np.column_stack([(column + 0.5) / width, (1 - (row + 0.5) / height) * pictures.CORNERS[2, 1]])
+    to_shares = np.linalg.inv(np.column_stack([pictures.CORNERS, np.ones(3)]).T)
+    shares = np.column_stack([middle, np.ones(500)]) @ to_shares.T
+    inside = shares.min(axis=1) > 0.005
+    assert inside.sum() > 400
+    expected = pictures.shade(a, shares[inside])
+    assert np.abs(opacity[row, column][inside] - expected).max() < 0.5 / (triangle.LEVELS - 1) + 0.005
+
+
+def test_votes_are_cast_and_taken_back_by_their_rings(explorer):
+    explorer.move(first=7, second=0, third=20, prior=1.0)
+    rings = rings_of(explorer.scene)
+    assert set(rings) == {"cast 0", "take 0", "cast 1", "take 2"}, "none below 0, none above 20"
+    for name, ring in rings.items():
+        ((x, y, sign),) = ring.stops
+        assert sign == (">" if name.startswith("cast") else "<")
+        assert ring.moves == (triangle.CONTROLS[int(name[-1])],) and not ring.follows
+        if sign == ">":
+            assert np.allclose((x, y), triangle.TRIANGLE.to_page(pictures.CORNERS.mean(axis=0))[0], atol=0.06)
+    for c, count in enumerate((7, 0, 20)):
+        assert sum(name.startswith(f"vote {c} ") for name in explorer.scene.parts) == count
+        assert explorer.scene.parts[f"count {c}"][2] == f"{CLASSES[c]}: {count}"
+    every_vote = [part[1] for name, part in explorer.scene.parts.items() if name.startswith("vote ")]
+    assert max(float(each["cx"]) for each in every_vote if "cx" in each) < triangle.SIZE[0] - 6
+
+
+def test_a_vote_can_be_dropped_anywhere_in_the_triangle_and_not_where_it_lies():
+    middle = triangle.TRIANGLE.to_page(pictures.CORNERS.mean(axis=0))[0]
+    corners = triangle.TRIANGLE.to_page(pictures.CORNERS)
+    assert np.linalg.norm(corners - middle, axis=1).max() < triangle.REACH
+    assert all(np.hypot(*(middle - (triangle.TRAY, y))) > triangle.REACH for y in triangle.ROWS)

@@ -7,10 +7,11 @@ import pytest
 from exercises import assert_names_the_mistake, checks_and_solutions
 from matplotlib.text import Annotation
 from readable import assert_readable
+from rings import assert_rings_lie_where_they_are_led
 
 from npslam_teach import dead_reckoning, evaluation, plotting, se2, simulate, toy_objects
 from npslam_teach.course.drift import explorer as drift_explorer
-from npslam_teach.course.drift import figures, pictures
+from npslam_teach.course.drift import figures, heading, pictures
 from npslam_teach.plotting import uncertainty
 
 # --- exercises -------------------------------------------------------------------------------------------------------
@@ -217,3 +218,42 @@ def test_only_the_size_of_the_noise_changes_under_the_slider():
     drawn = [(log.odometry - steps) / log.odometry_std for log in (calm, wild)]
     np.testing.assert_allclose(*drawn, atol=1e-9)
     np.testing.assert_array_equal(calm.obs_time, wild.obs_time)
+
+
+# --- the heading that is dragged -------------------------------------------------------------------------------------
+
+
+def test_the_path_before_a_wrong_turn_stands_and_the_path_behind_it_turns_as_a_whole():
+    steps = heading.two_corners()
+    true_path = dead_reckoning(steps)
+    for turn in (1, 8, 13, 18):
+        path, error = heading.with_wrong_turn(steps, turn, 0.3), rotation(0.3)
+        np.testing.assert_allclose(path[:turn], true_path[:turn], atol=1e-12)
+        hinge = true_path[turn, :2]
+        np.testing.assert_allclose(path[turn:, :2], (true_path[turn:, :2] - hinge) @ error.T + hinge, atol=1e-12)
+
+
+def test_the_words_and_the_picture_of_a_wrong_heading_are_those_of_a_rotation_about_it():
+    explorer = heading.explore_heading()
+    true_path = dead_reckoning(heading.two_corners())
+    for turn, error in ((4, 15.0), (1, -30.0), (8, 30.0), (18, 7.5)):
+        words = explorer.move(turn=turn, error=error)
+        far = np.linalg.norm(true_path[-1, :2] - true_path[turn, :2])
+        off = 2 * np.sin(np.deg2rad(abs(error)) / 2) * far
+        assert f"{far:.2f} m in a straight line, and the end is {off:.2f} m off" in words
+        drawn = [each.split(",") for each in explorer.scene.parts["path"][1]["points"].split()]
+        path = heading.with_wrong_turn(heading.two_corners(), turn, np.deg2rad(error))
+        np.testing.assert_allclose(np.array(drawn, float), heading.ROOM.to_page(path[:, :2]), atol=0.006)
+        assert f"the end is {off:.2f} m off" in explorer.scene.parts["map title"][2]
+
+
+def test_every_wrong_path_is_inside_its_map():
+    for turn in range(1, 19):
+        for error in (-heading.LARGEST, heading.LARGEST):
+            xy = heading.with_wrong_turn(heading.two_corners(), turn, np.deg2rad(error))[:, :2]
+            assert (xy > (heading.ROOM.x[0], heading.ROOM.y[0])).all()
+            assert (xy < (heading.ROOM.x[1], heading.ROOM.y[1])).all()
+
+
+def test_the_rings_of_the_wrong_heading_lie_where_they_are_led():
+    assert_rings_lie_where_they_are_led(heading.explore_heading())

@@ -82,8 +82,8 @@ def test_numbers_on_the_map_of_settings_can_be_read():
 def test_the_explorer_runs_the_whole_method(sparse_room):
     log, truth = sparse_room
     explorer = fifteen_objects_explorer.explore_method(log, truth)
-    left, right = explorer.figure.axes
     slider = explorer.sliders["alpha"]
+    box = fifteen_objects_explorer.COUNTS
     for alpha in (slider.min, 1.0, slider.max):
         for threshold in (None, 0.002, 0.05, 0.5):
             words = explorer.move(alpha=alpha, threshold=threshold)
@@ -92,13 +92,15 @@ def test_the_explorer_runs_the_whole_method(sparse_room):
             assert f"objects {', '.join(map(str, counts))};" in words
             metrics = evaluation.evaluate(snapshots[-1], truth, log)
             assert f"error {metrics.mean_pose_error:.2f} m, ARI {metrics.ari:.2f}" in words
-            drawn = sum(len(c.get_offsets()) for c in left.collections[-log.num_classes :])
-            assert drawn == counts[-1]
-            np.testing.assert_array_equal(right.lines[0].get_ydata(), counts)
-            low, high = right.get_ylim()
-            assert low < min(counts) and max(counts) < high
-    assert left.get_aspect() == 1.0 and left.get_xlabel() == "x (m)"
-    assert_readable(explorer.figure)
+            parts = explorer.scene.parts
+            assert parts["map title"][2] == f"{counts[-1]} objects"
+            of_object = np.bincount(snapshots[-1].labels)
+            assert sum(name.startswith("object ") for name in parts) == np.count_nonzero(of_object > 1)
+            curve = [each.split(",") for each in parts["counts curve"][1]["points"].split()]
+            heights = np.array(curve, dtype=float)[:, 1]
+            assert (heights > box[1]).all() and (heights < box[1] + box[3]).all()
+            falls = np.diff(heights) / -box[3] * (np.ceil(np.log10(log.num_observations)) - 0.5)
+            np.testing.assert_allclose(falls, np.diff(np.log10(counts)), atol=1e-4)
 
 
 def test_errors_of_the_method_reach_the_student(sparse_room, monkeypatch):

@@ -10,6 +10,7 @@ from exercises import assert_names_the_mistake, checks_and_solutions
 from matplotlib.patches import Rectangle
 from partitions import partitions
 from readable import assert_readable
+from rings import rings_of
 
 from npslam_teach import plotting, simulate
 from npslam_teach.course.why_association import checks, figures, pictures
@@ -145,6 +146,7 @@ def test_the_split_has_one_arrow_back_and_only_where_it_takes_turns():
 
 # --- the explorer ----------------------------------------------------------------------------------------------------
 
+room = why_association_explorer.ROOM
 ALL = list(itertools.product(range(8), range(len(why_association_explorer.OBJECTS))))
 
 
@@ -155,7 +157,7 @@ def explorer():
 
 @pytest.mark.parametrize(("sighting", "to"), ALL)
 def test_the_explorer_shows_what_the_solver_says(explorer, sighting, to):
-    words = explorer._update(sighting=sighting, to=to)  # what the drop-downs call, without drawing each time
+    words, scene = explorer._update(sighting=sighting, to=to)  # what the drop-downs call
     log, truth = simulate.toy_objects()
     given = why_association_explorer.BELONGS_TO.copy()
     given[sighting] = to
@@ -165,26 +167,67 @@ def test_the_explorer_shows_what_the_solver_says(explorer, sighting, to):
     belongs = to == why_association_explorer.BELONGS_TO[sighting]
     assert (f"chi2 is {chi2(graph):.1f}," if belongs else f"chi2 goes from 1.8 to {chi2(graph):.1f},") in words
     assert chi2_per_dof(graph) < 0.5 if belongs or to == 5 else chi2_per_dof(graph) > 2.5  # a split is silent
-    (ax,) = explorer.figure.axes
-    assert any(np.allclose(line.get_xydata(), graph.poses[:, :2], atol=1e-4) for line in ax.lines)
-    thick = [line for line in ax.lines if line.get_color() == why_association_explorer.WRONG_COLOR]
-    assert len(thick) == (0 if belongs else 1)
-    if thick:
-        np.testing.assert_allclose(thick[0].get_xydata()[1], graph.landmarks[labels[sighting]], atol=1e-4)
-    numbers = [text.get_text() for text in ax.texts if text.get_text()]
+    path = np.array([each.split(",") for each in scene.parts["path"][1]["points"].split()], dtype=float)
+    np.testing.assert_allclose(path, room.to_page(graph.poses[:, :2]), atol=0.05)
+    assert ("pull" in scene.parts) == (not belongs)
+    if not belongs:
+        end = scene.parts["pull"][1]["points"].split()[1].split(",")
+        np.testing.assert_allclose(np.array(end, float), room.to_page(graph.landmarks[labels[sighting]])[0], atol=0.05)
+    numbers = [scene.parts[f"name {j}"][2].split(": ")[1] for j in range(len(graph.landmarks))]
     assert numbers == ["+".join(str(k + 1) for k in np.flatnonzero(labels == j)) for j in range(len(graph.landmarks))]
-    (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
-    points = np.concatenate([line.get_xydata() for line in ax.lines])
-    assert (points >= [left, bottom]).all() and (points <= [right, top]).all()
-    assert ax.get_aspect() == 1.0
-    assert_readable(explorer.figure)
+    (x, y), (low, high) = (graph.poses[:, 0], graph.poses[:, 1]), zip(room.x, room.y, strict=True)
+    assert (x.min() > low[0]) and (x.max() < high[0]) and (y.min() > low[1]) and (y.max() < high[1])
+    assert (graph.landmarks > low).all() and (graph.landmarks < high).all()
+    assert scene.parts["ratio title"][2] == f"chi2 per dof: {chi2_per_dof(graph):.1f}"
+
+
+def boxes_of(scene):
+    """Of each name on the map: its middle and its size, px, at 8.6 px a letter."""
+    boxes = []
+    for name, (_, named, *text) in scene.parts.items():
+        if name.startswith("name "):
+            size = np.array([8.6 * len(text[0]), 16.0])
+            shift = size[0] / 2 * (-1 if "end" in named["class"] else 0 if "middle" in named["class"] else 1)
+            boxes.append((np.array([float(named["x"]) + shift, float(named["y"]) - 5.0]), size))
+    return boxes
+
+
+@pytest.mark.parametrize(("sighting", "to"), ALL)
+def test_no_name_on_the_map_covers_another_or_a_ring(explorer, sighting, to):
+    scene = explorer._update(sighting=sighting, to=to)[1]
+    boxes = boxes_of(scene)
+    taken = [*boxes, *((ring.xy, np.array([16.0, 16.0])) for ring in rings_of(scene).values())]
+    for k, (middle, size) in enumerate(boxes):
+        for other, its_size in taken[k + 1 :]:
+            assert (np.abs(middle - other) > (size + its_size) / 2).any()
+        assert (middle > size / 2).all() and (middle < np.array(why_association_explorer.SIZE) - size / 2).all()
+
+
+@pytest.mark.parametrize(("sighting", "to"), [(4, 1), (4, 0), (6, 5), (7, 2)])
+def test_every_ring_leads_to_every_object_and_to_a_new_one(explorer, sighting, to):
+    scene = explorer._update(sighting=sighting, to=to)[1]
+    belongs, num_objects = why_association_explorer.BELONGS_TO, len(why_association_explorer.OBJECTS)
+    log, _ = simulate.toy_objects()
+    outcome = why_association_explorer.reassign(log, sighting, to)
+    rings = rings_of(scene)
+    assert len(rings) == log.num_observations
+    for k, ring in enumerate(rings.values()):
+        assert ring.moves == ("sighting", "to") and not ring.follows
+        led_to = {int(float(j)): (x, y) for x, y, m, j in ring.stops if int(float(m)) == k}
+        present = set(outcome.objects.tolist()) - {num_objects - 1}
+        new = int(belongs[k]) if belongs[k] not in present else num_objects - 1
+        assert set(led_to) == present | {new} and len(led_to) == len(ring.stops)
+        for thing, xy in zip(outcome.objects, outcome.graph.landmarks, strict=True):
+            if thing < num_objects - 1:
+                np.testing.assert_allclose(led_to[int(thing)], room.to_page(xy)[0], atol=0.06)
+        np.testing.assert_allclose(led_to[new], room.to_page(why_association_explorer.NEW)[0], atol=0.06)
 
 
 def test_the_drop_downs_move_the_picture():
     explorer = why_association_explorer.explore_wrong_association()
-    before = explorer.shown["src"]
+    before = explorer.shown["scene"]
     assert "Obj_5 belongs to chair B" in explorer.words
     assert "Obj_5 of chair B is given to chair A" in explorer.move(to=0)
-    assert explorer.shown["src"] != before
+    assert explorer.shown["scene"] != before
     explorer.move(to=1)
-    assert explorer.shown["src"] == before
+    assert explorer.shown["scene"] == before

@@ -9,15 +9,10 @@ from PIL import Image
 from npslam_teach import plotting, simulate
 from npslam_teach.course.a_real_robot.explorer import explore_believed_noise, results_of_recording_0
 from npslam_teach.course.alternation import false_positives_explorer
-from npslam_teach.course.alternation.explorer import explore_alternation
-from npslam_teach.course.class_votes.explorer import explore_triangle
 from npslam_teach.course.drift.explorer import explore_noise
-from npslam_teach.course.fifteen_objects.explorer import explore_method
-from npslam_teach.course.filtering import explorer as filtering_explorer
 from npslam_teach.course.office import explorer as office_explorer
 from npslam_teach.course.pose_graph.explorer import bad_starts, explore_gauss_newton
 from npslam_teach.course.what_breaks.explorer import explore_kernel, results_of
-from npslam_teach.course.why_association.explorer import explore_wrong_association
 from npslam_teach.methods import METHODS
 from npslam_teach.plotting.blitting import SCREEN_DPI, Redrawing
 
@@ -43,11 +38,6 @@ def explore_bad_starts():
     return explore_gauss_newton(starts, truth.poses[:, :2])
 
 
-def explore_gate():
-    log, truth = simulate.toy_objects()
-    return filtering_explorer.explore_gate(log, 4, truth.world.class_names, labels=[0, 1, 2, -1, 1, -1, 3, 4])
-
-
 def explore_office():
     log, truth = small_room()
     results = {name: list(METHODS[name](log))[-1] for name in ("np-graph", "frame-by-frame")}
@@ -61,24 +51,11 @@ def explore_widths():
 
 # Each explorer, and places to go that move all there is to move, hide some of it and bring it back.
 EXPLORERS = {
-    "wrong_association": (explore_wrong_association, [{"to": 5}, {"sighting": 0}, {"to": 0}]),
     "drift": (explore_noise, [{"noise": 3.0}, {"noise": 0.0}, {"noise": 1.0}]),
     "solver": (explore_bad_starts, [{"iteration": 3}, {"start": "thrown about"}, {"iteration": 0}]),
-    "triangle": (
-        explore_triangle,
-        [{"first": 0}, {"second": 0}, {"prior": 0.5}, {"third": 9}, {"prior": 1.0}, {"second": 4}],
-    ),
-    "alternation": (
-        lambda: explore_alternation(*small_room(), rounds=3),
-        [{"half_step": k} for k in (1, 2, 4, 0, 3)],
-    ),
     "false_positives": (
         lambda: false_positives_explorer.explore_false_positives(*simulate.toy_objects()),
         [{"epsilon": value} for value in (0.2, 0.49, 0.34, 0.0, 0.6)],
-    ),
-    "method": (
-        lambda: explore_method(*small_room()),
-        [{"alpha": 0.2}, {"threshold": 0.1}, {"alpha": 1.2}, {"threshold": None}],
     ),
     "office": (explore_office, [{"epsilon": 0.4}, {"method": "frame-by-frame"}, {"epsilon": 0.02}]),
     "kernel": (explore_widths, [{"noise": 2}, {"kernel_std": 0.5}, {"noise": 3}, {"kernel_std": 0.15}]),
@@ -86,7 +63,6 @@ EXPLORERS = {
         lambda: explore_believed_noise(results_of_recording_0()),
         [{"power": 2}, {"method": "ekf"}, {"power": -2}, {"method": "posterior"}],
     ),
-    "gate": (explore_gate, [{"gate": 0.5}, {"second_gate": 0.5}, {"gate": 5.0}, {"second_gate": 6.0}]),
 }
 
 

@@ -3,15 +3,16 @@
 import math
 
 import numpy as np
-from matplotlib.axes import Axes
 
-from npslam_teach import plotting
+from npslam_teach.course import moving_scene
 from npslam_teach.course.alternation import pictures
 from npslam_teach.course.explorers import Explorer, player
+from npslam_teach.course.scene import Panel, Scene
 from npslam_teach.methods.np_graph import half_steps
-from npslam_teach.plotting import moving_map
-from npslam_teach.plotting.style import ESTIMATE_COLOR, label_axes, legend_below
 from npslam_teach.types import GroundTruth, RobotLog, Snapshot
+
+SIZE = (980.0, 560.0)  # px
+MAP, COUNTS, OBJECTIVE = (60.0, 36.0, 560.0, 440.0), (700.0, 36.0, 260.0, 180.0), (700.0, 296.0, 260.0, 180.0)
 
 
 def explore_alternation(log: RobotLog, truth: GroundTruth, rounds: int = 10) -> Explorer:
@@ -23,23 +24,40 @@ def explore_alternation(log: RobotLog, truth: GroundTruth, rounds: int = 10) -> 
         rounds: the largest number of rounds.
     """
     snapshots = half_steps(log, rounds=rounds)
-    figure, (left, middle, right) = plotting.new_figure(1, 3, (14.0, 5.6), width_ratios=(1.5, 1, 1))
-    move_map = moving_map.plot_moving_map(left, snapshots, log, truth)
-    counts, objectives = _curve(middle, [s.num_objects for s in snapshots]), [s.objective for s in snapshots]
-    label_axes(middle, "half-step (number)", "objects (number, log scale)", "objects")
-    middle.set_yscale("log")
-    falls = _curve(right, objectives)
-    label_axes(right, "half-step (number)", "objective (nats)", "objective")
-    legend_below(figure, moving_map.moving_map_handles(truth), columns=8)
+    room = moving_scene.room_of(snapshots, truth, MAP)
+    counts = np.array([s.num_objects for s in snapshots])
+    objectives = np.array([s.objective for s in snapshots])
+    panels = _panels(np.log10(counts), objectives)
 
-    def update(half_step: int) -> str:
-        move_map(snapshots[half_step], pictures.HALVES[(half_step - 1) % 2] if half_step else "start")
-        counts.set_data([half_step], [snapshots[half_step].num_objects])
-        falls.set_data([half_step], [objectives[half_step]])
-        return words(snapshots, half_step)
+    def update(half_step: int) -> tuple[str, Scene]:
+        scene = Scene(SIZE)
+        title = pictures.HALVES[(half_step - 1) % 2] if half_step else "start"
+        moving_scene.draw_snapshot(scene, room, snapshots[half_step], log, truth, title)
+        _draw_curves(scene, panels, counts, objectives, half_step)
+        moving_scene.draw_key(scene, truth, (MAP[0], SIZE[1] - 12))
+        return words(snapshots, half_step), scene
 
     position = player("half-step", len(snapshots) - 1)
-    return Explorer(figure, update, {"half_step": position.grid()}, half_step=position)
+    return Explorer(None, update, {"half_step": position.grid()}, half_step=position)
+
+
+def _panels(powers: np.ndarray, objectives: np.ndarray) -> tuple[Panel, Panel]:
+    """Axes of the two curves: powers of ten, and nats."""
+    x, room = (-0.5, len(powers) - 0.5), 0.06 * np.ptp(objectives) + 1.0
+    y = (float(np.floor(powers.min())), float(np.ceil(powers.max())))
+    return Panel(COUNTS, x, y), Panel(OBJECTIVE, x, (float(objectives.min() - room), float(objectives.max() + room)))
+
+
+def _draw_curves(scene: Scene, panels: tuple[Panel, Panel], counts, objectives, now: int) -> None:
+    ticks = range(0, len(counts), 2)
+    moving_scene.log_axes(scene, panels[0], "counts", f"{counts[now]} objects (log scale)", "", ticks)
+    moving_scene.draw_curve(scene, panels[0], "counts", np.log10(counts), now)
+    low, high = panels[1].y
+    step = 10.0 ** np.floor(np.log10(high - low))
+    y_ticks = np.arange(np.ceil(low / step) * step, high, step) + 0.0
+    title = f"objective: {objectives[now]:.1f} nats"
+    panels[1].axes(scene, "falls", title, ("half-step (number)", ""), (ticks, y_ticks))
+    moving_scene.draw_curve(scene, panels[1], "falls", objectives, now)
 
 
 def words(snapshots: list[Snapshot], half_step: int) -> str:
@@ -53,10 +71,3 @@ def words(snapshots: list[Snapshot], half_step: int) -> str:
     then = f"{before.num_objects} objects became {now.num_objects}" if is_sweep else f"the path moved by {moved:.2f} m"
     went = f"objective {before.objective:.1f} to {now.objective:.1f}"
     return f"Round {math.ceil(half_step / 2)}, {what}: {then}; {went}."
-
-
-def _curve(ax: Axes, values: list):
-    """A curve over all half-steps and the marker that moves on it."""
-    ax.plot(values, color=ESTIMATE_COLOR, linewidth=1.4)
-    (here,) = ax.plot([], [], "o", color=ESTIMATE_COLOR, markersize=10, zorder=3)
-    return here

@@ -4,46 +4,43 @@ from functools import cache
 
 import numpy as np
 
-from npslam_teach import association, plotting
-from npslam_teach.course.class_votes import pictures
+from npslam_teach import association
+from npslam_teach.course.class_votes import triangle
 from npslam_teach.course.explorers import Explorer, slider
-from npslam_teach.plotting.style import TEXT_SIZE
+from npslam_teach.course.scene import Scene
 from npslam_teach.simulate import TOY_CLASSES
 
 NUM_SAMPLES = 150
+MOST = 20  # votes for a class
+FRAMES = {"first": (0, 1, 3, 5, 7, 8), "second": (0, 1, 3, 4), "third": (0, 1, 2)}  # without a kernel
 
 
 def explore_triangle(class_names=TOY_CLASSES, votes=(7, 3, 0), prior: float = 1.0) -> Explorer:
     """Density, mean, mode and samples of ``Dir(votes + prior)`` over three classes (deck figure 10).
+
+    Votes are dropped into the triangle, and taken back out of it.
 
     Args:
         class_names: three of them.
         votes: (3,) at the start.
         prior: of every class, before the first vote; below 1 it favours certainty, at 1 it is uniform.
     """
-    figure, ax = plotting.new_figure(size=(7.6, 5.8))
-    shading = pictures.plot_triangle(ax, np.ones(3), class_names)
-    (samples,) = ax.plot([], [], label="sample", zorder=3, **pictures.SAMPLE)
-    marks = pictures.plot_summaries(ax, dict.fromkeys(pictures.SUMMARIES))
-    style = {"loc": "upper left", "bbox_to_anchor": (-0.02, 1.0), "frameon": False, "fontsize": TEXT_SIZE["legend"]}
-    legend = ax.legend(handles=[*pictures.summary_handles(marks), samples], **style)
-    legend.set_zorder(0.5)  # below all that moves, so that it is drawn only once
 
-    def update(first: int, second: int, third: int, prior: float) -> str:
+    def update(first: int, second: int, third: int, prior: float) -> tuple[str, Scene]:
         votes = np.array([first, second, third], dtype=float)
         concentration = votes + prior
         summaries = summaries_of(votes, concentration)
-        pictures.set_triangle(shading, concentration)
-        pictures.set_summaries(marks, summaries)
-        samples.set_data(*pictures.on_triangle(samples_of(concentration)).T)
-        return _words(class_names, votes, concentration, summaries)
+        scene = Scene(triangle.SIZE)
+        triangle.draw_density(scene, concentration, samples_of(concentration), class_names, votes)
+        triangle.draw_summaries(scene, summaries)
+        triangle.draw_votes(scene, votes, class_names, MOST)
+        return _words(class_names, votes, concentration, summaries), scene
 
     sliders = {
-        name: slider(f"votes: {class_name}", int(cast), 0, 20, 1)
-        for name, class_name, cast in zip(("first", "second", "third"), class_names, votes, strict=True)
+        name: slider(f"votes: {class_name}", int(cast), 0, MOST, 1)
+        for name, class_name, cast in zip(triangle.CONTROLS, class_names, votes, strict=True)
     }
-    frames = {"first": (0, 3, 7, 15), "second": (0, 3, 7)}
-    return Explorer(figure, update, frames, **sliders, prior=slider("prior for each class", prior, 0.2, 2.0, 0.1))
+    return Explorer(None, update, FRAMES, **sliders, prior=slider("prior for each class", prior, 0.2, 2.0, 0.1))
 
 
 def summaries_of(votes: np.ndarray, concentration: np.ndarray) -> dict:

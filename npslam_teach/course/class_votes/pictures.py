@@ -24,7 +24,6 @@ SUMMARIES = {  # maximum likelihood is drawn around the mode, which it often equ
     "mode": {"marker": "D", "markersize": 7, "markerfacecolor": "#d45e00", "markeredgewidth": 1.0},
 }
 _MARK = {"linestyle": "none", "markeredgecolor": ESTIMATE_COLOR}
-SAMPLE = {"color": ESTIMATE_COLOR, "marker": ".", "markersize": 4, "linestyle": "none", "alpha": 0.55}
 KINDS = {  # of runs: look of their numbers of objects
     "classes never wrong": {"color": "#38ba8d", "marker": "^"},
     "confused, hard votes": {"color": "#d45e00", "marker": "s"},
@@ -111,7 +110,7 @@ def plot_triangle(ax: Axes, concentration: np.ndarray, class_names, title: str =
         key: whether to put the scale of the shading beside it.
 
     Returns:
-        the shading, for ``set_triangle``.
+        the shading.
     """
     points, faces = triangle_points()
     # Pixels even in an SVG, where thousands of shaded triangles would take megabytes.
@@ -132,36 +131,21 @@ def plot_triangle(ax: Axes, concentration: np.ndarray, class_names, title: str =
     return shading
 
 
-def set_triangle(shading, concentration: np.ndarray) -> None:
-    """Change the shading of ``plot_triangle`` to that of another distribution."""
-    shading.set_array(shade(concentration, triangle_points()[0]))
-    shading.stale = True  # matplotlib does not set it in set_array
-
-
-def plot_summaries(ax: Axes, summaries: dict) -> dict[str, Line2D]:
-    """Mark points of the triangle; those that do not exist (None) are hidden. ``set_summaries`` moves them.
+def plot_summaries(ax: Axes, summaries: dict) -> None:
+    """Mark points of the triangle.
 
     Args:
         ax: from ``plot_triangle``.
-        summaries: by a name of ``SUMMARIES``: (3,) probabilities, or None.
+        summaries: by a name of ``SUMMARIES``: (3,) probabilities, or None where there is none.
     """
-    drawn = {name: ax.plot([0], [0], clip_on=False, zorder=4, **_MARK | SUMMARIES[name])[0] for name in summaries}
-    set_summaries(drawn, summaries)
-    return drawn
+    for name, point in summaries.items():
+        if point is not None:
+            ax.plot(*on_triangle(point)[:, None], clip_on=False, zorder=4, **_MARK | SUMMARIES[name])
 
 
 def summary_handles(names) -> list[Line2D]:
     """Legend entries of these summaries."""
     return [Line2D([], [], label=name, **_MARK | SUMMARIES[name]) for name in names]
-
-
-def set_summaries(drawn: dict[str, Line2D], summaries: dict) -> None:
-    """Move the marks of ``plot_summaries``."""
-    for name, line in drawn.items():
-        point = summaries[name]
-        line.set_visible(point is not None)
-        if point is not None:
-            line.set_data(*on_triangle(point)[:, None])
 
 
 def plot_beta(ax: Axes, beta: np.ndarray, class_names, title: str, top: float) -> Axes:

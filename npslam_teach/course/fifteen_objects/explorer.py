@@ -1,15 +1,19 @@
 """The explorer of lesson 07: the whole method is run for every alpha and threshold."""
 
-from npslam_teach import plotting
+import numpy as np
+
+from npslam_teach.course import moving_scene
 from npslam_teach.course.explorers import Explorer, choice, slider
+from npslam_teach.course.scene import Panel, Scene
 from npslam_teach.evaluation import compare_partitions, distances_to_truth
 from npslam_teach.methods import np_graph
-from npslam_teach.plotting import moving_map
-from npslam_teach.plotting.style import ESTIMATE_COLOR, TEXT_SIZE, TRUTH_LINE, label_axes, legend_below
 from npslam_teach.types import GroundTruth, RobotLog, Snapshot
 
 RULES = {"the most probable wins": None} | {f"p above {p}": p for p in (0.002, 0.01, 0.03, 0.05, 0.1, 0.2, 0.5)}
 ITERATIONS = 5
+FRAMES = {"alpha": (0.3, 0.5, 0.7, 0.9, 0.95, 1.0, 1.2), "threshold": (None, 0.03)}  # without a kernel
+SIZE = (980.0, 560.0)  # px
+MAP, COUNTS = (60.0, 36.0, 560.0, 440.0), (700.0, 36.0, 260.0, 440.0)
 
 
 def explore_method(log: RobotLog, truth: GroundTruth) -> Explorer:
@@ -19,26 +23,26 @@ def explore_method(log: RobotLog, truth: GroundTruth) -> Explorer:
         log: what the robot measured; a run must take a fraction of a second.
         truth: drawn behind.
     """
-    figure, (left, right) = plotting.new_figure(1, 2, (11.5, 5.6), width_ratios=(1.5, 1))
-    # The result of frame-by-frame is the largest; the limits of its map hold every other result too.
-    move_map = moving_map.plot_moving_map(left, [next(np_graph(log))], log, truth)
-    (curve,) = right.plot([], [], "o-", color=ESTIMATE_COLOR, markersize=8)
+    # The result of frame-by-frame is the largest; its map holds every other result too.
+    room = moving_scene.room_of([next(np_graph(log))], truth, MAP)
     num_true = len(truth.world.object_xy)
-    right.axhline(num_true, label=f"true number: {num_true}", **TRUTH_LINE)
-    right.set(yscale="log", xlim=(-0.4, ITERATIONS + 0.4), ylim=(3, 1.6 * log.num_observations))
-    right.legend(loc="upper right", frameon=False, fontsize=TEXT_SIZE["legend"])
-    label_axes(right, "iteration (number)", "objects (number, log scale)", "objects per iteration")
-    legend_below(figure, moving_map.moving_map_handles(truth), columns=8)
+    panel = Panel(COUNTS, (-0.4, ITERATIONS + 0.4), (0.5, float(np.ceil(np.log10(log.num_observations)))))
 
-    def update(alpha: float, threshold: float | None) -> str:
+    def update(alpha: float, threshold: float | None) -> tuple[str, Scene]:
         snapshots = list(np_graph(log, alpha, threshold, ITERATIONS))
-        move_map(snapshots[-1], f"{snapshots[-1].num_objects} objects")
-        curve.set_data([s.iteration for s in snapshots], [s.num_objects for s in snapshots])
-        return words(alpha, threshold, snapshots, truth)
+        counts = [s.num_objects for s in snapshots]
+        scene = Scene(SIZE)
+        moving_scene.draw_snapshot(scene, room, snapshots[-1], log, truth, f"{counts[-1]} objects")
+        title = "objects per iteration (log scale)"
+        moving_scene.log_axes(scene, panel, "counts", title, "iteration (number)", range(ITERATIONS + 1))
+        panel.line(scene, "true number", [(x, np.log10(num_true)) for x in panel.x], "truth")
+        panel.text(scene, "true name", (panel.x[1], np.log10(num_true)), f"true: {num_true}", (-6.0, 18.0), "end quiet")
+        moving_scene.draw_curve(scene, panel, "counts", np.log10(counts))
+        moving_scene.draw_key(scene, truth, (MAP[0], SIZE[1] - 12))
+        return words(alpha, threshold, snapshots, truth), scene
 
-    sliders = {"alpha": slider("alpha", 0.9, 0.05, 1.5, 0.05), "threshold": choice("acceptance", RULES)}
-    frames = {"alpha": (0.3, 0.9, 1.2), "threshold": (None, 0.03)}
-    return Explorer(figure, update, frames, **sliders)
+    sliders = {"alpha": slider("alpha", 0.9, 0.05, 1.5, 0.05, 1200), "threshold": choice("acceptance", RULES)}
+    return Explorer(None, update, FRAMES, **sliders)
 
 
 def words(alpha: float, threshold: float | None, snapshots: list[Snapshot], truth: GroundTruth) -> str:

@@ -1,28 +1,25 @@
-"""Associate one observation of the toy scene with another object, and see how the pose graph changes."""
+"""Give one observation of the toy scene to another object, and see how the pose graph changes."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from npslam_teach import plotting, se2, simulate
+from npslam_teach import se2, simulate
 from npslam_teach.course.explorers import Explorer, choice
-from npslam_teach.course.why_association.pictures import plot_springs
+from npslam_teach.course.scene import Panel, Scene
 from npslam_teach.evaluation import chi2_per_dof
-from npslam_teach.plotting.style import (
-    CLASS_COLORS,
-    ESTIMATE_LINE,
-    TRUTH_COLOR,
-    Line2D,
-    class_handles,
-    legend_beside,
-    path_handles,
-)
 from npslam_teach.pose_graph import chi2, fit
-from npslam_teach.types import PoseGraph, RobotLog
+from npslam_teach.types import GroundTruth, PoseGraph, RobotLog
 
+SIZE = (980.0, 468.0)  # px
+ROOM = Panel((60.0, 36.0, 680.0, 370.0), (-1.2, 5.9), (-1.1, 2.76))  # m; 96 px per metre on both axes, nearly
+RATIO = Panel((805.0, 36.0, 130.0, 370.0), (0.0, 1.0), (-1.0, 2.2))  # log10 of chi2 per degree of freedom
+NEW = np.array([5.1, -0.55])  # m, where a new object is offered
+# Where on its way from the robot each sighting is taken hold of: clear of the others and of the objects.
+HELD_AT = np.array([0.5, 0.22, 0.4, 0.35, 0.37, 0.4, 0.37, 0.3])
+REACH = 40.0  # px
 OBJECTS = ("chair A", "chair B", "the screen", "the cup", "the ghost", "a new object")
 BELONGS_TO = np.array([0, 1, 2, 0, 1, 2, 3, 4])  # the object of each observation, as it should be
-WRONG_COLOR = CLASS_COLORS[3]  # of no class in this scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,22 +40,23 @@ def reassign(log: RobotLog, sighting: int, to: int) -> Outcome:
 
 
 def explore_wrong_association() -> Explorer:
-    """Choose an observation and the object it is given to; the map is solved anew (the toy scene of the deck)."""
+    """Drop an observation on the object it is given to; the map is solved anew (the toy scene of the deck)."""
     log, truth = simulate.toy_objects()
     as_it_should_be = reassign(log, 0, BELONGS_TO[0])
-    figure, ax = plotting.new_figure(size=(9.0, 4.6))
-    artists = _draw(ax, log, truth)
 
-    def update(sighting: int, to: int) -> str:
+    def update(sighting: int, to: int) -> tuple[str, Scene]:
         outcome = reassign(log, sighting, to)
-        _move(artists, log, outcome, None if to == BELONGS_TO[sighting] else sighting)
-        return in_words(as_it_should_be, outcome, sighting, to)
+        scene = Scene(SIZE)
+        _draw_room(scene, log, truth, outcome, None if to == BELONGS_TO[sighting] else sighting)
+        _draw_ratio(scene, chi2_per_dof(outcome.graph))
+        return in_words(as_it_should_be, outcome, sighting, to), scene
 
     sightings = choice("sighting", {f"Obj_{k + 1}": k for k in range(log.num_observations)})
     objects = choice("is given to", {name: k for k, name in enumerate(OBJECTS)})
     sightings.put(4)
     objects.put(int(BELONGS_TO[4]))  # Obj_5, at its own object
-    return Explorer(figure, update, {"to": objects.grid()}, sighting=sightings, to=objects)
+    frames = {"sighting": sightings.grid(), "to": objects.grid()}
+    return Explorer(None, update, frames, sighting=sightings, to=objects)
 
 
 def in_words(before: Outcome, after: Outcome, sighting: int, to: int) -> str:
@@ -75,65 +73,95 @@ def in_words(before: Outcome, after: Outcome, sighting: int, to: int) -> str:
     )
 
 
-def _draw(ax, log, truth) -> dict:
-    """Draw the truth, and make the artists that will move."""
-    world = truth.world
-    plotting.plot_trajectory(ax, truth.poses, truth=True)
-    plotting.plot_objects(ax, world.object_xy, world.object_class, world.class_names, truth=True)
-    (path,) = ax.plot([], [], **ESTIMATE_LINE)
-    springs = plot_springs(ax, np.zeros((log.num_observations, 2)), np.zeros((log.num_observations, 2)))
-    markers = []
-    for c in range(log.num_classes):
-        plotting.plot_objects(ax, np.zeros((1, 2)), [c], world.class_names)
-        markers.append(ax.collections[-1])
-    paper = {"facecolor": "white", "alpha": 0.8, "linewidth": 0, "pad": 0.5}  # lines must not strike numbers out
-    texts = [ax.text(0, 0, "", fontsize=11, va="center", zorder=4, bbox=paper) for _ in OBJECTS]
-    spring, wrong = ({"color": color, "linewidth": 2.5} for color in (TRUTH_COLOR, WRONG_COLOR))
-    handles = class_handles(range(3), world.class_names) + path_handles(("estimated path", "true path", "true object"))
-    handles += [
-        Line2D([], [], label="sighting to its object", **spring),
-        Line2D([], [], label="the wrong one", **wrong),
-    ]
-    legend_beside(ax, handles)
-    ax.set(xlim=(-1.1, 5.7), ylim=(-1.3, 2.8))  # holds every choice
-    ax.set_title("numbers: the sightings of each object", fontsize=plotting.style.TEXT_SIZE["title"])
-    return {"path": path, "springs": springs, "markers": markers, "texts": texts}
-
-
-def _move(artists: dict, log: RobotLog, outcome: Outcome, wrong: int | None) -> None:
-    """Bring every artist to the solved graph; the spring of the wrong observation is thick and coloured."""
-    graph, labels = outcome.graph, outcome.labels
-    artists["path"].set_data(*graph.poses[:, :2].T)
+def _draw_room(scene: Scene, log: RobotLog, truth: GroundTruth, outcome: Outcome, wrong: int | None) -> None:
+    """The solved map; the spring of the wrong observation is thick and red."""
+    graph, labels, world = outcome.graph, outcome.labels, truth.world
+    title = "drop a sighting on another object" if wrong is None else f"Obj_{wrong + 1} pulls, and the map gives way"
+    ROOM.axes(scene, "map", title, ("x (m)", "y (m)"), (range(-1, 6), range(-1, 3)))
+    ROOM.line(scene, "truth", truth.poses[:, :2], "truth")
+    for k, (x, y) in enumerate(ROOM.to_page(world.object_xy)):
+        scene.add(f"true object {k}", "circle", cx=x, cy=y, r=13, class_="truth")
     landed = se2.apply(graph.poses[log.obs_time], log.obs_xy)
-    for k, spring in enumerate(artists["springs"]):
-        spring.set_data(*np.stack([landed[k], graph.landmarks[labels[k]]]).T)
-        spring.set(color=WRONG_COLOR if k == wrong else TRUTH_COLOR, linewidth=4.0 if k == wrong else 2.0)
+    seen_from = graph.poses[log.obs_time, :2]
+    _lines(scene, "sights", np.stack([seen_from, landed], axis=1), "grid")
+    right = np.arange(len(labels)) != wrong
+    _lines(scene, "springs", np.stack([landed, graph.landmarks[labels]], axis=1)[right], "spring")
+    if wrong is not None:
+        ROOM.line(scene, "pull", [landed[wrong], graph.landmarks[labels[wrong]]], "pull")
+    ROOM.line(scene, "path", graph.poses[:, :2], "estimate")
+    dots = " ".join(f"M{x:.1f},{y:.1f}h0" for x, y in ROOM.to_page(graph.poses[:, :2]))
+    scene.add("poses", "path", d=dots, class_="estimate", style="stroke-width: 9; stroke-linecap: round")
+    held = seen_from + HELD_AT[:, None] * (landed - seen_from)
+    _draw_objects(scene, log, outcome, held)
+    _draw_sightings(scene, log, outcome, held)
+
+
+def _lines(scene: Scene, name: str, pairs: np.ndarray, style: str) -> None:
+    """Lines between pairs of points (N, 2, 2) m, as one part."""
+    ends = ROOM.to_page(pairs.reshape(-1, 2)).reshape(-1, 4)
+    scene.add(name, "path", d=" ".join(f"M{a:.1f},{b:.1f}L{c:.1f},{d:.1f}" for a, b, c, d in ends), class_=style)
+
+
+def _draw_objects(scene: Scene, log: RobotLog, outcome: Outcome, held: np.ndarray) -> None:
+    """Each object with its name and the numbers of its observations, and the place of a new one."""
+    landmarks = outcome.graph.landmarks
     # The class of an object is that of most of its observations; in a tie, the one with the lower index.
-    members = [np.flatnonzero(labels == k) for k in range(len(graph.landmarks))]
-    classes = np.array([np.bincount(log.obs_class[each]).argmax() for each in members])
-    for c, markers in enumerate(artists["markers"]):
-        markers.set_offsets(graph.landmarks[classes == c])
-    for text in artists["texts"]:
-        text.set_text("")
-    numbers = ["+".join(str(m + 1) for m in each) for each in members]
-    for text, number, place in zip(artists["texts"], numbers, free_places(graph.landmarks, numbers), strict=False):
-        text.set(text=number, position=place[:2], ha=place[2])
+    members = [np.flatnonzero(outcome.labels == k) for k in range(len(landmarks))]
+    texts = []
+    for k, each in enumerate(members):
+        ROOM.mark(scene, f"object {k}", landmarks[k], int(np.bincount(log.obs_class[each]).argmax()), 8.0)
+        texts.append(f"{OBJECTS[outcome.objects[k]].removeprefix('the ')}: {'+'.join(str(m + 1) for m in each)}")
+    in_the_way = [landmarks, held, held + (0.13, 0.13), outcome.graph.poses[:, :2]]  # the third are numbers
+    places = free_places(np.concatenate(in_the_way), texts)
+    for k, (text, (x, y, align)) in enumerate(zip(texts, places, strict=True)):
+        style = {"left": "bold over", "right": "end bold over", "center": "middle bold over"}[align]
+        ROOM.text(scene, f"name {k}", (x, y), text, (0.0, 5.0), style)
+    x, y = ROOM.to_page(NEW)[0]
+    scene.add("new", "circle", cx=x, cy=y, r=20, class_="frame", stroke_dasharray="4 3")
+    scene.add("new name", "text", "a new object", x=x, y=y + 38, class_="middle quiet")
+
+
+def _draw_sightings(scene: Scene, log: RobotLog, outcome: Outcome, held: np.ndarray) -> None:
+    """Each observation on its way from the robot, with a ring to drop it on an object by."""
+    places = {int(thing): xy for thing, xy in zip(outcome.objects, outcome.graph.landmarks, strict=True)}
+    for k, xy in enumerate(held):
+        ROOM.mark(scene, f"sighting {k}", xy, int(log.obs_class[k]), 5.5)
+        ROOM.text(scene, f"number {k}", xy, str(k + 1), (9.0, -9.0), "bold")
+    for k, xy in enumerate(held):
+        own = int(BELONGS_TO[k])
+        offered = {own: NEW, len(OBJECTS) - 1: NEW} if own not in places else {len(OBJECTS) - 1: NEW}
+        offered = dict(list(offered.items())[:1]) | {j: at for j, at in places.items() if j < len(OBJECTS) - 1}
+        stops = [(at, {"sighting": k, "to": j}) for j, at in offered.items()]
+        label = f"Obj_{k + 1} of {OBJECTS[own]}; drag it to an object, or point with an arrow key"
+        ROOM.grip(scene, f"ring {k}", xy, stops, label, REACH, r=13.0)
+    hint = "drag a sighting by its ring to another object, or to the new one; all others stay where they belong"
+    scene.add("hint", "text", hint, x=60, y=SIZE[1] - 4, class_="quiet small", data_hint="true")
+
+
+def _draw_ratio(scene: Scene, ratio: float) -> None:
+    """chi2 per degree of freedom, with 1, which is expected, as a level."""
+    RATIO.axes(scene, "ratio", f"chi2 per dof: {ratio:.1f}", ("", "log10 of chi2 per dof"), ((), (-1, 0, 1, 2)))
+    corner, foot = RATIO.to_page([(0.25, np.log10(ratio)), (0.75, RATIO.y[0])])
+    size = {"width": foot[0] - corner[0], "height": foot[1] - corner[1]}
+    scene.add("bar", "rect", x=corner[0], y=corner[1], fill="#00659f", class_="mark", **size)
+    RATIO.line(scene, "expected", [(0.0, 0.0), (1.0, 0.0)], "level")
+    RATIO.text(scene, "expected name", (0.5, RATIO.y[0]), "dashed: expected", (0.0, 19.0), "middle quiet")
 
 
 def free_places(xy: np.ndarray, texts: list) -> list[tuple]:
     """Where to write each text beside its point so that none covers another or a marker: (x, y, alignment), m.
 
     Args:
-        xy: (K, 2) m.
-        texts: one for each point.
+        xy: (N, 2) m, what must not be covered; the first ones are those of the texts.
+        texts: (K,).
     """
-    size = [np.array([0.13 * len(text) + 0.08, 0.30]) for text in texts]  # of 11 pt on this map
-    taken = [(point, np.array([0.22, 0.22])) for point in xy]
+    size = [np.array([0.09 * len(text) + 0.06, 0.2]) for text in texts]  # of 14 px on this map
+    taken = [(point, np.array([0.2, 0.2])) for point in xy]
     places = []
-    for point, box in zip(xy, size, strict=True):
-        sides = [(0.18 + box[0] / 2, 0.0, "left"), (-0.18 - box[0] / 2, 0.0, "right")]
-        sides += [(side, height, "center") for height in (0.32, -0.32) for side in (0.0, 0.3, -0.3)]
-        sides += [(side, height, "center") for height in (0.62, -0.62) for side in (0.0, 0.5, -0.5)]
+    for point, box in zip(xy, size, strict=False):
+        sides = [(0.14 + box[0] / 2, 0.0, "left"), (-0.14 - box[0] / 2, 0.0, "right")]
+        heights = [sign * height for height in (0.25, 0.45, 0.65, 0.85) for sign in (1, -1)]
+        sides += [(side, height, "center") for height in heights for side in (0.0, 0.3, -0.3, 0.5, -0.5, 0.8, -0.8)]
         free = [(x, y, align) for x, y, align in sides if not _covers(point + [x, y], box, taken)]
         x, y, align = (free or sides)[0]
         taken.append((point + [x, y], box))

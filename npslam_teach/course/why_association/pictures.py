@@ -9,7 +9,6 @@ from npslam_teach.plotting.style import (
     CLASS_COLORS,
     ESTIMATE_COLOR,
     TEXT_SIZE,
-    TRUTH_COLOR,
     class_style,
     label_axes,
 )
@@ -212,15 +211,3 @@ def factor_handles() -> list[Line2D]:
         Line2D([], [], markerfacecolor="white", label="pose", **round_),
         Line2D([], [], markerfacecolor="#dcebf5", label="chair", **round_),
     ]
-
-
-def plot_springs(ax: Axes, ends: np.ndarray, objects: np.ndarray) -> list[Line2D]:
-    """A line from where each observation lands to the object it is given to: the longer, the more it pulls.
-
-    Args:
-        ax: a map.
-        ends: (M, 2) m, W: the observations.
-        objects: (M, 2) m, W: the object of each.
-    """
-    style = {"color": TRUTH_COLOR, "linewidth": 2.0, "marker": ".", "markevery": [0], "markersize": 9, "zorder": 2.8}
-    return [ax.plot(*np.stack(pair).T, **style)[0] for pair in zip(ends, objects, strict=True)]

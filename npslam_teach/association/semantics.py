@@ -76,7 +76,7 @@ def reports(log: RobotLog) -> np.ndarray:
 
 
 def floored(seen: np.ndarray) -> np.ndarray:
-    """The same (..., C), no class ruled out: one report of many must not be believed without end."""
+    """The same (..., C), no class ruled out: one report of many must not rule a class out for good."""
     return np.maximum(seen, LEAST)
 
 

@@ -67,5 +67,5 @@ def _add_rosbag(group) -> None:
     text = "how much a step errs: m,m,rad (default: a tenth of the typical step)"
     group.add_argument("--odometry-std", type=numbers(3), metavar="X,Y,T", help=text)
     group.add_argument(
-        "--observation-std", type=numbers(2), metavar="X,Y", help="and a sighting: m,m (default 0.1,0.1)"
+        "--observation-std", type=numbers(2), metavar="X,Y", help="and an observation: m,m (default 0.1,0.1)"
     )

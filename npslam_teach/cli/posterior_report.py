@@ -38,5 +38,5 @@ def samples_lines(result: dict) -> list[str]:
     if result["num_left_out"]:
         lines.append(f"not sampled           {result['num_left_out']} observations that fit no tracklet, or not theirs")
     if worst > LARGEST_R_HAT:
-        lines.append(f"not converged         R-hat is above {LARGEST_R_HAT}: take more samples before you believe them")
+        lines.append(f"not converged         R-hat is above {LARGEST_R_HAT}: take more samples before you trust them")
     return lines

@@ -35,7 +35,7 @@ _ARCHIVE_ERRORS = (
 def read_npz(path, names: tuple) -> dict:
     """Those of the arrays called ``names`` that a .npz archive holds.
 
-    ``np.load`` believes an array's header and allocates what it claims, a terabyte if it says so; here the
+    ``np.load`` trusts an array's header and allocates what it claims, a terabyte if it says so; here the
     header is first compared with the bytes that are there. Pickled objects are never unpickled: that would
     run the file's code.
 

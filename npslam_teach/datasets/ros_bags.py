@@ -45,7 +45,7 @@ def load_rosbag(
 
     There is a pose wherever something was detected, interpolated at the time of the picture, and between these one of
     the odometry for every step or turn of ``trajectories``. Times are those of measurement (header.stamp). Nothing is
-    known of the truth, and what a tracker believes of identities is not read.
+    known of the truth, and a tracker's identities are not read.
 
     Args:
         path: of ROS 1 a .bag; of ROS 2 a folder with metadata.yaml, or one of its .db3 or .mcap files.
@@ -83,7 +83,7 @@ def load_rosbag(
             seen, used = with_depth(bag, seen, depth_topic, camera_info_topic, dropped)
             remarks.append(used)
             optical = _optical_picture(seen, optical)
-        stamps, xy, names, said = _sightings(bag, seen, base, mount, optical)
+        stamps, xy, names, said = _observations(bag, seen, base, mount, optical)
         inside = (stamps >= time[0]) & (stamps <= time[-1])
         _require_inside(detection_topic, stamps, inside, time, dropped)
         dropped["detections before or after the odometry"] += int((~inside).sum())
@@ -154,7 +154,7 @@ def _optical_picture(seen: list[Seen], optical: bool | None) -> bool | None:
     return optical if named or optical is not None else True
 
 
-def _sightings(bag: Bag, seen: list[Seen], base: str, mount, optical) -> tuple:
+def _observations(bag: Bag, seen: list[Seen], base: str, mount, optical) -> tuple:
     """All detections in the order of time: stamps (M,) ns, (M, 2) m in the robot's frame, names (M,), sentences."""
     ways = {each.frame: mounting(bag, each.frame, base, mount, optical) for each in seen if each.names}
     seen = sorted((each for each in seen if each.names), key=lambda each: each.stamp)
@@ -176,7 +176,7 @@ def _require_inside(topic: str, stamps, inside, time, dropped: Counter) -> None:
 
 
 def _log_of(time, poses, stamps, xy, names, odometry_std, observation_std) -> RobotLog:
-    """The log of odometry (n,), (n, 3) and sightings (M,), (M, 2), (M,); times in ns."""
+    """The log of odometry (n,), (n, 3) and observations (M,), (M, 2), (M,); times in ns."""
     since = time[0]  # whole nanoseconds since the epoch would not fit into a float
     known, frames = (time - since) / SECOND, np.unique(stamps)
     times = np.union1d(time, frames)

@@ -15,7 +15,7 @@ that is wrong in a *share* of its reports, every wrong class alike. A *case* say
 ``max-mixture``     the best matching of each frame alone
 ``posterior``       the posterior over partitions, which uses ``class_probabilities`` as well
 ``overconfident``   ``soft-em`` with the probabilities of a detector that claims to be wrong in two reports of a hundred
-``true identities`` the pose graph alone, told who is who
+``true identities`` the pose graph alone, with known data association
 ==================  ====================================================================================================
 """
 

@@ -48,7 +48,7 @@ def from_the_truth(log: RobotLog, truth: GroundTruth, iterations: int = 5, **set
 
 
 def true_identities(log: RobotLog, truth: GroundTruth) -> Snapshot:
-    """The pose graph alone, told who is who: ``evaluation.true_association_fit`` as the result of a method."""
+    """The pose graph alone, who is who being known: ``evaluation.true_association_fit`` as a method's result."""
     labels = without_empty_objects(truth.obs_object, truth.world.object_xy).labels
     return snapshot(log, 0, labels, true_association_fit(log, truth))
 

@@ -15,7 +15,7 @@ in about twelve minutes on one core. A row is one run on ``fifteen_objects``; a 
 ``30 rounds``          until no label changes any more, 30 alternations at most; and with ``sensor``
 ``true poses``         association with every pose held at the truth (``oracles.poses_at_truth``); and with ``sensor``
 ``true start``         the alternation sets out from the right answer (``oracles.from_the_truth``); and with ``sensor``
-``true identities``    the pose graph alone, told who is who
+``true identities``    the pose graph alone, with known data association
 =====================  ================================================================================================
 """
 

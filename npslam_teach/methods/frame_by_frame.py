@@ -1,4 +1,4 @@
-"""Frame by frame: believe the odometry and take every observation for a new object (deck step 1, figure 5).
+"""Frame by frame: trust the odometry and take every observation for a new object (deck step 1, figure 5).
 
 It is the start of every other method, and their yardstick: as many objects as observations.
 """

@@ -1,4 +1,4 @@
-"""Open loop: believe the odometry, and only associate (paper section V.A; deck figure 17).
+"""Open loop: trust the odometry, and only associate (paper section V.A; deck figure 17).
 
 An observation is compared with every earlier observation of its class, by ``exp(-d^2 / (2 s^2))``; it joins the object
 of the best one if that exceeds the threshold. The trajectory is never corrected, so its drift splits the objects.

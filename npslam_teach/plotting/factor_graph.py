@@ -87,9 +87,7 @@ def _name_poses(ax: Axes, poses: np.ndarray) -> None:
 def factor_handles(pull: bool = True) -> list[Line2D]:
     """Legend entries of the lines in ``plot_factor_graph``, and of the robot's poses."""
     disc = POSE | {"markerfacecolor": "white", "markersize": 11}
-    lines = [("step of the wheels", ODOMETRY_LINE), ("sighting", OBSERVATION_LINE)] + [
-        ("residual", RESIDUAL_LINE)
-    ] * pull
+    lines = [("odometry", ODOMETRY_LINE), ("observation", OBSERVATION_LINE)] + [("residual", RESIDUAL_LINE)] * pull
     handles = [Line2D([], [], color=s["colors"], linewidth=s["linewidths"], label=label) for label, s in lines]
     return [Line2D([], [], label="pose", **disc), *handles]
 

@@ -1,4 +1,4 @@
-"""Maps: the robot's path and the objects around it, as they are and as a method believes they are.
+"""Maps: the robot's path and the objects around it, true and estimated.
 
 The truth is dashed, hollow and grey; an estimate is solid, in the colour and with the marker of its class. An estimate
 lives in the frame of its own first pose, so where the truth is given it is laid over it first (``se2.align``), by the

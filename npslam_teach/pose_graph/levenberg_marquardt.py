@@ -7,7 +7,7 @@ and Wright, "Numerical Optimization" (2006):
   lowers chi2. The reduction that the linear model predicts is ``-b^T dx``.
 * Watchdog steps, also called nonmonotone (section 15.6; Chamberlain et al. 1982): a full step that raises chi2 is
   followed by up to three more, and accepted if together they bring most of the predicted reduction. The minimum often
-  lies at the end of a curved valley: a long chain of poses that has to bend is one. Damping alone would creep along it.
+  lies at the end of a curved valley: a long chain of poses that has to bend is one. Damping alone would crawl.
 * A hybrid with Newton's method (section 10.3; Fletcher and Xu 1987): in a large-residual problem Gauss-Newton
   converges only linearly. Where it does, steps with the second-order term are taken if they lower chi2.
 

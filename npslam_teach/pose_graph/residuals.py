@@ -2,7 +2,7 @@
 
 Two kinds of factor make the whole graph (paper eq. 1-2, deck "Problem Formulation"):
 
-* odometry: pose j as seen from pose i, compared with what the wheels said;
+* odometry: pose j as seen from pose i, compared with the odometry;
 * observation: a landmark as seen from a pose, compared with what the camera said.
 
 Both residuals live in the frame of the measuring pose. Every function is batched over the leading axis.

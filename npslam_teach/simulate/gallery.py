@@ -137,7 +137,7 @@ def _false_detector() -> GalleryWorld:
         "Look at the lone small markers: each is an object that was seen once and never was there.",
         drawn_fifteen(clutter_rate=0.1),
         _HEALTHY,
-        "no false sightings",
+        "no false observations",
     )
 
 

@@ -1,6 +1,6 @@
 """A recording as a real robot makes it: wheels that slip, a camera whose errors last, barcodes that are misread.
 
-Nothing here errs as the methods assume. The two wheels of a differential drive are not as large as the robot believes,
+Nothing here errs as the methods assume. The two wheels of a differential drive are not as large as the robot assumes,
 and slip for seconds on end; what the camera gets wrong about a landmark it gets wrong for a whole pass; a few sightings
 carry the barcode of another landmark. Clocks tick unevenly, and the camera's stamp is late. All of it goes into text
 files in the format of the UTIAS data set (see ``datasets.load_mrclam``), so that it is imported as a real recording is.

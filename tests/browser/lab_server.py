@@ -24,6 +24,10 @@ ALL_SHOWN = """cells => {
     return document.querySelectorAll(".jp-Notebook .jp-Cell").length === cells && images.length > 0
         && images.every((each) => each.complete);
 }"""
+OPEN = """async (path) => {
+    for (const each of [...jupyterapp.shell.widgets("main")]) each.dispose();
+    await (await jupyterapp.commands.execute("docmanager:open", { path, factory: "Notebook" })).context.ready;
+}"""
 LARGE_WINDOW = {"width": 1400, "height": 1000}
 
 
@@ -75,6 +79,9 @@ def running_lab(folder: Path, settings: Path) -> Iterator[Lab]:
     own = {f"JUPYTER_{name}_DIR": str(settings / name.lower()) for name in ("CONFIG", "DATA", "RUNTIME")}
     own |= {"IPYTHONDIR": str(settings / "ipython")}
     own |= {"NPSLAM_TEACH_FRAMES": ""}  # a kernel answers: frames, which take seconds, are not needed
+    (settings / "config").mkdir()
+    exposed = "c.LabApp.expose_app_in_browser = True  # so that a page can open one notebook after the other\n"
+    (settings / "config" / "jupyter_lab_config.py").write_text(exposed, encoding="utf-8")
     with lab_process.running_lab(folder, settings / "lab.log", own) as running:
         yield Lab(running.site, running.token, folder)
 
@@ -114,6 +121,16 @@ def open_notebook(page, lab: Lab, name: str, workspace: str = "test", runs: bool
         cells = len(nbformat.read(lab.folder / "notebooks" / name, as_version=4).cells)
         page.wait_for_function(ALL_SHOWN, arg=cells)
     page.keyboard.press("Control+b")  # the list of files takes half of a narrow window
+
+
+def open_instead(page, lab: Lab, name: str) -> None:
+    """Open a notebook in a page in the place of another one, and wait until all of it is shown.
+
+    A page that is loaded anew compiles JupyterLab anew, which takes longer than all the rest.
+    """
+    page.evaluate(OPEN, f"notebooks/{name}")
+    cells = len(nbformat.read(lab.folder / "notebooks" / name, as_version=4).cells)
+    page.wait_for_function(ALL_SHOWN, arg=cells)
 
 
 def wait_until_idle(page, milliseconds: float = 60_000) -> None:

@@ -11,7 +11,7 @@ import shutil
 import nbformat
 import pytest
 from explorers import EXPLORER, Shown, explorers_of, lessons_with_explorers
-from lab_server import ROOT, new_context, open_notebook, run_all_cells, saved
+from lab_server import ROOT, new_context, open_instead, open_notebook, run_all_cells, saved
 from window import LAPTOP, NARROW, PROJECTOR, Window
 
 LESSONS = sorted(path.name for path in (ROOT / "notebooks").glob("[0-9]*.ipynb"))
@@ -30,14 +30,21 @@ def window(chromium):
 
 
 @pytest.fixture(scope="module")
-def committed(request, window, lab):
+def reader(window, lab):
+    """A page that shows a lesson, and then other lessons in its place."""
+    page = window.new_page()
+    open_notebook(page, lab, LESSONS[0])
+    yield page
+    page.close()
+
+
+@pytest.fixture(scope="module")
+def committed(request, reader, lab):
     """(name, page): a lesson that was opened and not run; what is shown is what is committed."""
     name = f"committed_{request.param}"
     shutil.copy(ROOT / "notebooks" / request.param, lab.folder / "notebooks" / name)
-    page = window.new_page()
-    open_notebook(page, lab, name, runs=False)
-    yield name, page
-    page.close()
+    open_instead(reader, lab, name)
+    return name, reader
 
 
 @pytest.fixture(scope="module")

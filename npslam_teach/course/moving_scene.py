@@ -12,6 +12,8 @@ MARGIN = 0.4  # m
 EVERY = 2  # of the poses of a path is drawn
 SEEN_TWICE = 2  # what was seen once is a dot, what was seen more often a mark
 
+LINES = ("estimated path", "true path", "true object")
+
 
 def room_of(snapshots: list[Snapshot], truth: GroundTruth, box: tuple[float, float, float, float]) -> Panel:
     """The map that holds some snapshots and the truth, with one scale for both axes, no larger than a box.
@@ -95,30 +97,33 @@ def draw_objects(scene: Scene, room: Panel, snapshot: Snapshot, landmarks: np.nd
         room.mark(scene, f"object {first.get(j, f'without {j}')}", landmarks[j], int(classes[j]), radius)
 
 
-def draw_key(scene: Scene, truth: GroundTruth, place: tuple[float, float], with_truth: bool = True) -> None:
+def draw_key(
+    scene: Scene, truth: GroundTruth, place: tuple[float, float], lines=LINES, fill: str | None = None
+) -> None:
     """What the marks and lines mean, in one row.
 
     Args:
         scene: gets it.
         truth: has the names of the classes.
         place: px, where the row begins.
-        with_truth: whether there are a true path and true objects.
+        lines: of ``LINES`` those that there are.
+        fill: of the marks; None: the colours of the classes.
     """
     x, y = place
     page = Panel((0.0, 0.0, *scene.size), (0.0, scene.size[0]), (scene.size[1], 0.0))  # px
     for c in np.unique(truth.world.object_class).tolist():
         name = truth.world.class_names[c]
-        page.mark(scene, f"key {c}", (x, y - 5), c, 6.5)
+        page.mark(scene, f"key {c}", (x, y - 5), c, 6.5, **({"fill": fill} if fill else {}))
         scene.add(f"key name {c}", "text", name, x=x + 13, y=y, class_="quiet")
         x += 34 + 8.0 * len(name)
-    for name, style in (("estimated path", "estimate"), ("true path", "truth"))[: 1 + with_truth]:
-        scene.add(f"key {name}", "path", d=f"M{x},{y - 5}h28", class_=style)
+    for name in lines:
+        if name == "true object":
+            scene.add(f"key {name}", "circle", cx=x + 14, cy=y - 5, r=8, class_="truth")
+        else:
+            style = "truth" if name == "true path" else "estimate"
+            scene.add(f"key {name}", "path", d=f"M{x},{y - 5}h28", class_=style)
         scene.add(f"key name {name}", "text", name, x=x + 35, y=y, class_="quiet")
         x += 60 + 7.5 * len(name)
-    if not with_truth:
-        return
-    scene.add("key ring", "circle", cx=x + 4, cy=y - 5, r=8, class_="truth")
-    scene.add("key name ring", "text", "true object", x=x + 19, y=y, class_="quiet")
 
 
 def draw_curve(scene: Scene, panel: Panel, name: str, values, now: int | None = None) -> None:

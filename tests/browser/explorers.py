@@ -217,6 +217,13 @@ class Shown:
         return self.root.evaluate("root => root.latencies.splice(0)")
 
 
+def attributes_of(locator) -> dict:
+    """By their names."""
+    return locator.evaluate(
+        "(each) => Object.fromEntries([...each.attributes].map(({ name, value }) => [name, value]))"
+    )
+
+
 def place_on_screen(ring, xy) -> tuple[float, float]:
     """Where a point of a scene is in the window, px.
 

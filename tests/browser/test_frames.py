@@ -9,7 +9,7 @@ import re
 import nbformat
 import pytest
 from axe import violations
-from explorers import EXPLORER, PICTURE, led, lessons_with_explorers
+from explorers import EXPLORER, PICTURE, attributes_of, led, lessons_with_explorers
 from lab_server import ROOT, new_context
 from rings import ring_of
 
@@ -88,9 +88,7 @@ class Framed:
 
     def ring(self, locator):
         """What a ring is now, and its stops that lead to values with frames: (x, y, place in the grid by control)."""
-        ring = ring_of(
-            locator.evaluate("each => Object.fromEntries([...each.attributes].map((a) => [a.name, a.value]))")
-        )
+        ring = ring_of(attributes_of(locator))
         return ring, [(x, y, wanted) for x, y, *values in ring.stops if (wanted := self.wanted(ring.moves, values))]
 
     def wanted(self, names, values) -> dict | None:
@@ -206,6 +204,44 @@ def test_a_ring_follows_the_arrow_keys(framed):
                     place = min(max(order.index(now) + by, 0), len(order) - 1)
                     assert explorer.set_to().items() >= order[place].items()
             assert len(told) > 1 or not stops
+
+
+# A player's step, watched from frame to frame: what a part of the picture is, or how much runs on it.
+WATCH = """async ([root, selector, attribute]) => {
+    const seen = [], read = () => {
+        const part = root.querySelector(selector);
+        seen.push(String(attribute ? part.getAttribute(attribute) : part.getAnimations().length));
+    };
+    read();
+    root.querySelector("button[aria-label='step on']").click();
+    for (const begin = performance.now(); performance.now() - begin < 700; ) {
+        await new Promise(requestAnimationFrame);
+        read();
+    }
+    return seen;
+}"""
+PLAYERS = [  # a scene, whose path glides; a picture, which appears over the one before
+    ("06_alternation.ipynb", "svg polyline.estimate", "points"),
+    ("03_pose_graph.ipynb", ".picture img", None),
+]
+
+
+@pytest.mark.parametrize("motion", ["no-preference", "reduce"])
+@pytest.mark.parametrize(("lesson", "selector", "attribute"), PLAYERS)
+def test_a_player_glides_unless_motion_is_unwelcome(chromium, tmp_path, lesson, selector, attribute, motion):
+    path = tmp_path / "lesson.html"
+    path.write_text(f"<!doctype html><meta charset='utf-8'>{committed(lesson)[0]}", "utf-8")
+    context = new_context(chromium, viewport={"width": LAPTOP, "height": 900}, reduced_motion=motion)
+    page = context.new_page()
+    page.goto(path.as_uri())
+    root = page.locator(EXPLORER).first
+    root.get_by_role("button", name="step on").click()  # to a step after which the path moves
+    page.wait_for_timeout(700)
+    seen = page.evaluate(WATCH, [root.element_handle(), selector, attribute])
+    context.close()
+    passing = {each for each in seen if each not in (seen[0], seen[-1])}
+    assert bool(passing) == (motion == "no-preference"), passing
+    assert attribute is None or seen[0] != seen[-1]
 
 
 @every_lesson

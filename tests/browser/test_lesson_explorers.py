@@ -11,10 +11,11 @@ import re
 import memory
 import pytest
 from axe import violations
-from explorers import EXPLORER, explorers_of, lessons_with_explorers, open_explorers
+from explorers import EXPLORER, attributes_of, explorers_of, led, lessons_with_explorers, open_explorers
 from lab_server import ROOT, new_context
 from latency import Row, table
 from matplotlib import pyplot
+from rings import ring_of
 from window import LAPTOP, NARROW, PROJECTOR, Window
 
 from npslam_teach.system.files import atomic_write
@@ -165,6 +166,63 @@ def test_key_presses_leave_nothing_behind_in_a_page(explorers, notebook, lab, re
     record_property("growth", growth)
     assert all(value < memory.LIMITS[name] for name, value in growth.items()), growth
     assert page.locator(f"{EXPLORER} figure").count() == sum(map(len, all_explorers.values()))
+
+
+# --- rings and points ------------------------------------------------------------------------------------------------
+
+
+def a_way(ring, twin):
+    """Of a ring's stops one that changes something, and what its controls are set to then."""
+    for x, y, *told in sorted(ring.stops, key=lambda stop: -abs(stop[0] - ring.xy[0]) - abs(stop[1] - ring.xy[1])):
+        wanted = {}
+        for name, value in zip(ring.moves, told, strict=True):
+            control = twin.sliders[name]
+            if value in "<>":
+                value = control.value + control.step * (1 if value == ">" else -1)
+            wanted[name] = control.from_page(int(float(value)) if hasattr(control, "options") else float(value))
+        if any(twin.sliders[name].value != value for name, value in wanted.items()):
+            return (x, y), wanted
+    raise AssertionError("nothing can be led anywhere")
+
+
+@pytest.mark.parametrize("lesson", ["01_why_association", "02_drift", "05_class_votes", "09_filtering"])
+def test_rings_are_led_with_the_mouse_and_pressed_with_keys(lesson, notebook):
+    """The kernel's answer is the library's for what the ring has asked for."""
+    page, shown = notebook
+    for explorer in shown[f"{lesson}.ipynb"]:
+        for locator in explorer.root.locator("[data-stops]").all()[:2]:
+            locator.scroll_into_view_if_needed()
+            explorer.twin.move(**explorer.values())
+            place, wanted = a_way(ring_of(attributes_of(locator)), explorer.twin)
+            led(page, locator, [place], "mouse")
+            explorer.wait_for_answer()
+            assert explorer.values().items() >= wanted.items()
+            assert explorer.picture() == explorer.expected()
+            told = {explorer.picture()["words"]}
+            for key in ("ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Enter"):
+                locator.press(key)
+                explorer.wait_for_answer()
+                told.add(explorer.picture()["words"])
+            assert len(told) > 1
+            assert explorer.picture() == explorer.expected()
+
+
+def test_a_sighting_is_led_across_the_gates(notebook):
+    page, (gates,) = notebook[0], notebook[1]["09_filtering.ipynb"]
+    gates.root.locator("[data-control=pose]").press("Home")
+    for _ in range(4):
+        gates.root.locator("[data-control=pose]").press("ArrowRight")
+    gates.wait_for_answer()
+    handle = gates.root.locator("[data-index]").first
+    handle.scroll_into_view_if_needed()
+    before, begin = gates.picture()["words"], attributes_of(handle)
+    led(page, handle, [(float(begin["cx"]) + 150, float(begin["cy"]) - 60)], "mouse")
+    gates.wait("root.querySelector('figcaption').textContent !== known", before, "nothing follows")
+    page.wait_for_timeout(300)
+    xy = gates.twin.sliders["xy"].value.copy()
+    label = attributes_of(handle)["aria-label"]
+    xy[int(begin["data-index"])] = [float(number) for number in re.findall(r"(-?[\d.]+) m", label)]
+    assert gates.picture()["words"] == gates.twin.move(**gates.values(), xy=xy) != before
 
 
 # --- springs ---------------------------------------------------------------------------------------------------------

@@ -13,7 +13,8 @@ from npslam_teach import association, plotting, se2
 from npslam_teach.association.dirichlet_process import log_partition_prior
 from npslam_teach.association.partition_posterior import joint_system, log_posterior, plain_weights
 from npslam_teach.course.the_posterior import checks, figures, hand_pictures, pictures, scenes
-from npslam_teach.course.the_posterior.explorer import ExactPosterior, explore_annealing, explore_posterior
+from npslam_teach.course.the_posterior.annealing_film import COUNTS, explore_annealing
+from npslam_teach.course.the_posterior.explorer import ExactPosterior, explore_posterior
 from npslam_teach.evaluation.reliability import Reliability, reliability
 from npslam_teach.pose_graph import fit, linearize
 from npslam_teach.pose_graph.reduced_system import reduced_system
@@ -339,17 +340,24 @@ def test_the_film_shows_its_states(film, number):
     state = film.states[number]
     assert f"in {state.labels.max() + 1} objects" in words
     assert f"Temperature {state.temperature:.2f}" in words
-    ax = explorer.figure.axes[0]
-    marks = [line for line in ax.lines if line.get_marker() not in ("None", None, "")]
-    spokes = [line for line in ax.lines if len(line.get_xdata()) == 2]
+    parts = explorer.scene.parts
+    marks = [part for name, part in parts.items() if name.startswith("tracklet ")]
+    spokes = [part[1]["points"].split() for name, part in parts.items() if name.startswith("spoke ")]
     assert len(marks) == len(spokes) == len(state.labels)
-    ends = np.array([spoke.get_xydata()[1] for spoke in spokes])
+    ends = np.array([spoke[1].split(",") for spoke in spokes], dtype=float)
     for label in range(state.labels.max() + 1):
         assert np.ptp(ends[state.labels == label], axis=0).max() < 1e-9, "spokes of one object end in one place"
     # A marker and a colour together tell the objects apart.
-    looks = {(mark.get_marker(), mark.get_color(), label) for mark, label in zip(marks, state.labels, strict=True)}
+    shapes = film.tracklet_class
+    looks = {(c, mark[1]["fill"], label) for c, mark, label in zip(shapes, marks, state.labels, strict=True)}
     if number == 12:
         assert len({look[:2] for look in looks}) == len({look[2] for look in looks}) == 15
+    assert parts["map title"][2] == film.title(number)
+    assert parts["cooling title"][2] == f"{state.labels.max() + 1} objects"
+    box = dict(zip(("left", "top", "width", "height"), COUNTS, strict=True))
+    dot = parts["cooling dot"][1]
+    assert box["left"] < float(dot["cx"]) < box["left"] + box["width"]
+    assert box["top"] < float(dot["cy"]) < box["top"] + box["height"]
 
 
 def test_the_film_ends_on_the_truth(film):

@@ -33,7 +33,7 @@ def explore_method(log: RobotLog, truth: GroundTruth) -> Explorer:
         counts = [s.num_objects for s in snapshots]
         scene = Scene(SIZE)
         moving_scene.draw_snapshot(scene, room, snapshots[-1], log, truth, f"{counts[-1]} objects")
-        title = "objects per iteration (log scale)"
+        title = "objects (log scale)"
         moving_scene.log_axes(scene, panel, "counts", title, "iteration (number)", range(ITERATIONS + 1))
         panel.line(scene, "true number", [(x, np.log10(num_true)) for x in panel.x], "truth")
         panel.text(scene, "true name", (panel.x[1], np.log10(num_true)), f"true: {num_true}", (-6.0, 18.0), "end quiet")

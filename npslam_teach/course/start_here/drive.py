@@ -45,7 +45,7 @@ def explore_drive(log: RobotLog, truth: GroundTruth, snapshots: list[Snapshot]) 
         if stop == STOPS:
             moving_scene.draw_objects(scene, room, snapshots[-1], se2.apply(start, snapshots[-1].graph.landmarks))
         camera_view.draw(scene, log, truth, now)
-        moving_scene.draw_key(scene, truth, (MAP[0], SIZE[1] - 10), with_truth=False)
+        moving_scene.draw_key(scene, truth, (MAP[0], SIZE[1] - 10), ("estimated path",))
         return words(log, truth, now, seen, None if stop < STOPS else snapshots), scene
 
     position = player("the drive", STOPS, 800)

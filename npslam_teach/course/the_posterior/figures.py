@@ -4,7 +4,7 @@ import numpy as np
 
 from npslam_teach import plotting, simulate
 from npslam_teach.course.figure_file import FigureFile
-from npslam_teach.course.the_posterior.explorer import AnnealingFilm
+from npslam_teach.course.the_posterior.annealing_film import AnnealingFilm
 from npslam_teach.methods.annealing import TEMPERATURES, anneal
 from npslam_teach.methods.posterior import start_model
 from npslam_teach.plotting.style import legend_below

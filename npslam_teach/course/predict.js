@@ -50,6 +50,14 @@
 
   const key = (root) => `npslam/${root.dataset.lesson}/predict/${root.dataset.name}`;
   const more = () => document.querySelectorAll(".np-predict[data-kind=more]");
+  // What the text below says about the result unfolds with it, down to the next question.
+  const explain = (root, open) => {
+    for (const each of document.querySelectorAll(".np-predict, details > summary")) {
+      if (!(root.compareDocumentPosition(each) & Node.DOCUMENT_POSITION_FOLLOWING) || root.contains(each)) continue;
+      if (each.matches(".np-predict:not([data-kind=more])")) return;
+      if (each.textContent === "What it shows") each.parentElement.open = open;
+    }
+  };
 
   const wire = (root) => {
     if (root.dataset.kind === "more") {
@@ -77,7 +85,7 @@
       else { store.write(key(root), answer); show(answer); }
     });
     again.addEventListener("click", () => { store.write(key(root), null); show(null); });
-    details.addEventListener("toggle", () => kind.reveal(details.open));
+    details.addEventListener("toggle", () => { kind.reveal(details.open); explain(root, details.open); });
     // JupyterLab hears of a key before the question does: without this, letters typed here would be commands to it.
     window.addEventListener("keydown", ({ target, ctrlKey, altKey, metaKey, shiftKey }) => {
       if (!root.contains(target)) return;

@@ -61,9 +61,9 @@ def page(
         summary = "Show me"
     else:
         question, folded, summary = "", result, f"More of the answer to: {html.escape(asked.text)}"
-    script = (_file("predict_sketch.js") if asked.kind == "sketch" else "") + _file("predict.js")
+    script = (inlined("predict_sketch.js") if asked.kind == "sketch" else "") + inlined("predict.js")
     return (
-        f'<div class="np-box np-predict" {attributes}><style>{_file("predict.css")}</style>{question}'
+        f'<div class="np-box np-predict" {attributes}><style>{inlined("predict.css")}</style>{question}'
         f"<details><summary>{summary}</summary>{folded}</details><script>{script}</script></div>"
     )
 
@@ -118,7 +118,7 @@ def _points(pixels: np.ndarray) -> str:
 
 
 @cache
-def _file(name: str) -> str:
+def inlined(name: str) -> str:
     """A file beside this one on one line, without its comments: it is in every question of every lesson."""
     lines = (Path(__file__).parent / name).read_text(encoding="utf-8").splitlines()
     return " ".join(line.strip() for line in lines if line.strip() and not line.strip().startswith("//"))

@@ -158,7 +158,8 @@ def test_every_exercise_has_hints_and_then_the_solution_folded_where_it_is_state
         for tag in cell.metadata.get("tags", []):
             if tag.startswith("exercise-"):
                 waiting.pop(int(tag.removeprefix("exercise-")))  # a KeyError: no hints before this exercise
-        assert cell.source.count("<details>") == 2 * len(HINTS.findall(cell.source)) == cell.source.count("</details>")
+        folds = 2 * len(HINTS.findall(cell.source)) + cell.source.count("<summary>What it shows</summary>")
+        assert cell.source.count("<details>") == folds == cell.source.count("</details>")
     assert set(hints) == set(by_tag(notebook, "exercise")) and not waiting
     for number, words in hints.items():
         assert re.findall(r"^(\d)\. .{20}", words, re.MULTILINE) == ["1", "2"]

@@ -15,6 +15,14 @@ predict = questions(
         ["three", "five", "eight"],
         right=1,
         mistake="To count classes. There are two chairs, a screen, a cup, and what was never there.",
+        alts=[
+            "",
+            (
+                "Two maps of the toy scene. Left, after the sweep: Obj_4 is tied to Obj_1, Obj_5 to Obj_2, "
+                "Obj_6 to Obj_3, and the path is still the wheels'. Right, after the solver: each pair has come "
+                "together, and the path is nearly the true one."
+            ),
+        ],
     ),
     falls=choice(
         "By how much does the number fall?",

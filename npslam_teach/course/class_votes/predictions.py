@@ -67,6 +67,7 @@ predict = questions(
         mistake=(
             "To read shares as probabilities. Twenty reports against ten are strong evidence when the errors are known."
         ),
+        alts=["", "Objects found in eight rooms: hard votes about 32, soft votes about 18."],
     ),
     no_good=choice(
         "How much does a vote for the right class now weigh at distance zero?",

@@ -47,6 +47,7 @@ predict = questions(
             "To multiply guests and α. Every guest makes the next new table less likely, so the "
             "number grows with the logarithm."
         ),
+        alts=["", "Tables against guests: for each alpha the mean lies on the dashed formula."],
     ),
     alphas=choice(
         "From α = 0.1 to 0.99, and on to 1?",

@@ -79,6 +79,7 @@ predict = questions(
             "To expect that a solver which comes to rest has found the lowest point. One of the two "
             "rests in a local minimum, far above."
         ),
+        alts=["", "Gauss-Newton climbs twice or thrice and ends far above the loop with damping."],
     ),
     wrong_sign=choice(
         "One sign wrong in one Jacobian: what does Gauss-Newton do?",

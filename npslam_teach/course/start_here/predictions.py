@@ -13,6 +13,13 @@ predict = questions(
             "nearly all that can be joined along the wheels' path; the rest needs the path to move "
             "first."
         ),
+        alts=[
+            "",
+            (
+                "Animated map: clouds of sightings around each object shrink, round by round, to 15 single "
+                "objects while the estimated path moves onto the true path."
+            ),
+        ],
     ),
     carried=choice(
         "Where in the room is what is 3 m ahead and 1 m to the left?",

@@ -51,6 +51,7 @@ predict = questions(
             "To think that the second question gets the same answer as the first. The path has moved "
             "in between, and with it every distance."
         ),
+        alts=["", "Two maps. Named once: 24 objects, several of them doubled. In turns: 15, each on its own."],
     ),
     rooms=number(
         "In how many of twenty rooms does taking turns find exactly 15?",

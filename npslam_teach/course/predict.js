@@ -1,15 +1,7 @@
 // Makes a question of a lesson answer: the reader's prediction is kept in this browser, and the result unfolds.
 // Without this script the choices are a list, and the result is folded below them.
 (() => {
-  const store = {
-    read: (key) => { try { return JSON.parse(localStorage.getItem(key)); } catch { return null; } },
-    write(key, value) {
-      try { value === null ? localStorage.removeItem(key) : localStorage.setItem(key, JSON.stringify(value)); } catch {}
-    },
-    count(prefix) {
-      try { return Object.keys(localStorage).filter((key) => key.startsWith(prefix)).length; } catch { return 0; }
-    },
-  };
+  const store = globalThis.npslamProgress;
   const make = (tag, parent, text, attributes = {}) => {
     const element = parent.appendChild(document.createElement(tag));
     element.textContent = text;
@@ -41,13 +33,6 @@
   };
   const KINDS = { choice: choices, number, sketch: (root) => globalThis.npslamSketch(root, make) };
 
-  const progress = () => {
-    for (const each of document.querySelectorAll(".np-progress")) {
-      const { lesson, total } = each.dataset;
-      each.textContent = `${store.count(`npslam/${lesson}/predict/`)} of ${total} predicted`;
-    }
-  };
-
   const key = (root) => `npslam/${root.dataset.lesson}/predict/${root.dataset.name}`;
   const more = () => document.querySelectorAll(".np-predict[data-kind=more]");
   // What the text below says about the result unfolds with it, down to the next question.
@@ -60,10 +45,6 @@
   };
 
   const wire = (root) => {
-    if (root.dataset.kind === "more") {
-      root.querySelector("details").open = store.read(key(root)) !== null;
-      return;
-    }
     const kind = KINDS[root.dataset.kind](root);
     const [fieldset, details] = [root.querySelector("fieldset"), root.querySelector("details")];
     const said = make("p", root, "", { "aria-live": "polite" });
@@ -77,7 +58,7 @@
       details.open = kept !== null;
       kind.reveal(details.open);
       for (const each of more()) if (key(each) === key(root)) each.querySelector("details").open = kept !== null;
-      progress();
+      store.show();
     };
     button.addEventListener("click", () => {
       const answer = kind.read();
@@ -93,7 +74,7 @@
     }, true);
     show(store.read(key(root)));
   };
-  for (const root of document.querySelectorAll(".np-predict:not([data-ready])")) {
+  for (const root of document.querySelectorAll(".np-predict:not([data-ready], [data-kind=more])")) {
     root.setAttribute("data-ready", "");
     wire(root);
   }

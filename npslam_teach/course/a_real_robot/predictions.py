@@ -4,6 +4,7 @@ from npslam_teach.course.predict import choice, questions
 
 predict = questions(
     "12",
+    exercises=5,
     how_many_poses=choice(
         "How many poses does the log need?",
         ["1200, as many as lines", "about a third of them", "about twenty"],

@@ -4,6 +4,7 @@ from npslam_teach.course.predict import choice, questions
 
 predict = questions(
     "04",
+    exercises=5,
     fits=choice(
         "Which fits best, and is it much better than the second?",
         ["Obj_2, by far", "Obj_2, with Obj_1 close behind", "Obj_1", "the screen, Obj_6"],

@@ -33,6 +33,7 @@ def lab(options) -> int:
         # In a container everybody is root, and Jupyter would refuse; it still listens on this machine only.
         arguments += ["--allow-root"]
     arguments += [f"--ContentsManager.hide_globs={name}" for name in HIDDEN]
+    arguments += ["--FileContentsManager.pre_save_hook=npslam_teach.system.saving.keep_what_was_there"]
     return _run_module(arguments, {"JUPYTER_CONFIG_PATH": _config_path()}, before=trust_committed)
 
 

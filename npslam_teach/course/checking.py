@@ -9,7 +9,7 @@ import contextlib
 import io
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from numbers import Real
 
 import numpy as np
@@ -19,13 +19,25 @@ BLANK = "nothing has been filled in yet: replace the dots"
 
 @dataclass(frozen=True)
 class Verdict:
-    """The outcome of a check; it displays itself as one sentence."""
+    """The outcome of a check; it displays itself as one sentence, in a notebook perhaps with a picture.
+
+    Attributes:
+        passed: whether the exercise is solved.
+        message: what is wrong, or what the answer is good for.
+        picture: draws the answer over the library's, as a figure and its words; None if it cannot be drawn.
+        page: makes HTML of the verdict, or None where the sentence says everything.
+    """
 
     passed: bool
     message: str
+    picture: Callable | None = field(default=None, compare=False)
+    page: Callable | None = field(default=None, compare=False)
 
     def __repr__(self) -> str:
         return f"{'Right' if self.passed else 'Not yet'}: {self.message}."
+
+    def _repr_html_(self) -> str | None:
+        return self.page(self) if self.page else None
 
 
 def right(message: str) -> Verdict:

@@ -1,15 +1,7 @@
 // Makes a question of a lesson answer: the reader's prediction is kept in this browser, and the result unfolds.
 // Without this script the choices are a list, and the result is folded below them.
 (() => {
-  const store = {
-    read: (key) => { try { return JSON.parse(localStorage.getItem(key)); } catch { return null; } },
-    write(key, value) {
-      try { value === null ? localStorage.removeItem(key) : localStorage.setItem(key, JSON.stringify(value)); } catch {}
-    },
-    count(prefix) {
-      try { return Object.keys(localStorage).filter((key) => key.startsWith(prefix)).length; } catch { return 0; }
-    },
-  };
+  const store = globalThis.npslamProgress;
   const make = (tag, parent, text, attributes = {}) => {
     const element = parent.appendChild(document.createElement(tag));
     element.textContent = text;
@@ -41,21 +33,18 @@
   };
   const KINDS = { choice: choices, number, sketch: (root) => globalThis.npslamSketch(root, make) };
 
-  const progress = () => {
-    for (const each of document.querySelectorAll(".np-progress")) {
-      const { lesson, total } = each.dataset;
-      each.textContent = `${store.count(`npslam/${lesson}/predict/`)} of ${total} predicted`;
+  const key = (root) => `npslam/${root.dataset.lesson}/predict/${root.dataset.name}`;
+  const more = () => document.querySelectorAll(".np-predict[data-kind=more]");
+  // What the text below says about the result unfolds with it, down to the next question.
+  const explain = (root, open) => {
+    for (const each of document.querySelectorAll(".np-predict, details > summary")) {
+      if (!(root.compareDocumentPosition(each) & Node.DOCUMENT_POSITION_FOLLOWING) || root.contains(each)) continue;
+      if (each.matches(".np-predict:not([data-kind=more])")) return;
+      if (each.textContent === "What it shows") each.parentElement.open = open;
     }
   };
 
-  const key = (root) => `npslam/${root.dataset.lesson}/predict/${root.dataset.name}`;
-  const more = () => document.querySelectorAll(".np-predict[data-kind=more]");
-
   const wire = (root) => {
-    if (root.dataset.kind === "more") {
-      root.querySelector("details").open = store.read(key(root)) !== null;
-      return;
-    }
     const kind = KINDS[root.dataset.kind](root);
     const [fieldset, details] = [root.querySelector("fieldset"), root.querySelector("details")];
     const said = make("p", root, "", { "aria-live": "polite" });
@@ -69,7 +58,7 @@
       details.open = kept !== null;
       kind.reveal(details.open);
       for (const each of more()) if (key(each) === key(root)) each.querySelector("details").open = kept !== null;
-      progress();
+      store.show();
     };
     button.addEventListener("click", () => {
       const answer = kind.read();
@@ -77,7 +66,7 @@
       else { store.write(key(root), answer); show(answer); }
     });
     again.addEventListener("click", () => { store.write(key(root), null); show(null); });
-    details.addEventListener("toggle", () => kind.reveal(details.open));
+    details.addEventListener("toggle", () => { kind.reveal(details.open); explain(root, details.open); });
     // JupyterLab hears of a key before the question does: without this, letters typed here would be commands to it.
     window.addEventListener("keydown", ({ target, ctrlKey, altKey, metaKey, shiftKey }) => {
       if (!root.contains(target)) return;
@@ -85,7 +74,7 @@
     }, true);
     show(store.read(key(root)));
   };
-  for (const root of document.querySelectorAll(".np-predict:not([data-ready])")) {
+  for (const root of document.querySelectorAll(".np-predict:not([data-ready], [data-kind=more])")) {
     root.setAttribute("data-ready", "");
     wire(root);
   }

@@ -66,11 +66,12 @@ def sketch(text: str, mistake: str, box: Sequence[float], alts: Sequence[str] = 
     return Question("sketch", text, mistake, tuple(alts), box=tuple(map(float, box)))
 
 
-def questions(lesson: str, **asked: Question) -> Callable[..., "Asked"]:
+def questions(lesson: str, exercises: int = 0, **asked: Question) -> Callable[..., "Asked"]:
     """All questions of a lesson, as the function ``predict`` that the lesson calls with a name.
 
     Args:
         lesson: its short name, "04" for example.
+        exercises: how many exercises it has; each question says how many of them are done.
         asked: by name, in their order.
     """
 
@@ -86,7 +87,7 @@ def questions(lesson: str, **asked: Question) -> Callable[..., "Asked"]:
         """
         if name not in asked:
             raise ValueError(f"name: expected one of {', '.join(asked)}, got {name!r}")
-        return Asked(lesson, name, asked[name], len(asked), part)
+        return Asked(lesson, name, asked[name], (len(asked), exercises), part)
 
     predict.questions = dict(asked)
     return predict
@@ -95,9 +96,9 @@ def questions(lesson: str, **asked: Question) -> Callable[..., "Asked"]:
 class Asked:
     """One question on the page: a ``with`` block around its result, or the last value of a cell without one."""
 
-    def __init__(self, lesson: str, name: str, question: Question, total: int, part: int):
-        """Ask a question that is one of ``total`` of its lesson."""
-        self._lesson, self._name, self._question, self._total, self._part = lesson, name, question, total, part
+    def __init__(self, lesson: str, name: str, question: Question, totals: tuple[int, int], part: int):
+        """Ask a question of a lesson that has so many questions and exercises."""
+        self._lesson, self._name, self._question, self._totals, self._part = lesson, name, question, totals, part
         self._answer: float | np.ndarray | None = None
         self._known: list[np.ndarray] = []
 
@@ -168,7 +169,7 @@ class Asked:
                 each.display()
 
     def _page(self, result: str) -> str:
-        place = (self._lesson, self._name, self._total)
+        place = (self._lesson, self._name, self._totals)
         return page(self._question, place, result, self._answer, self._known, is_first=self._part == 1)
 
 

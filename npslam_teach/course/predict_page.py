@@ -2,12 +2,15 @@
 
 import html
 import json
+import re
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 
+# A number and its unit stay on one line.
+_UNIT = re.compile(r"(?<=\d) (?=(?:m|cm|mm|km|s|rad|kB|degrees|metres|minutes|seconds)\b|%)")
 _SKETCH_WIDTH = 640  # of the drawing area, in its own units; the page scales it
 
 
@@ -37,47 +40,51 @@ class Question:
 
 
 def page(
-    asked: Question, place: tuple[str, str, int], result: str, answer=None, known=(), is_first: bool = True
+    asked: Question, place: tuple[str, str, tuple[int, int]], result: str, answer=None, known=(), is_first: bool = True
 ) -> str:
     """The question and its folded result.
 
     Args:
         asked: the question.
-        place: the lesson, the name of the question, and how many questions the lesson has.
+        place: the lesson, the name of the question, and how many questions and exercises the lesson has.
         result: HTML.
         answer: of a number or a sketch.
         known: lines that a sketch begins with, each (N, 2) m.
         is_first: False for more of the result of a question that stands above.
     """
-    lesson, name, total = place
+    lesson, name, (total, exercises) = place
     right = f"{answer:.4g}" if isinstance(answer, float) else ""
     attributes = f'data-lesson="{lesson}" data-name="{name}" data-kind="{asked.kind if is_first else "more"}"'
     attributes += f' data-right="{asked.right}" data-answer="{right}" data-unit="{asked.unit}"'
     if is_first:
-        progress = f'<span class="np-progress" data-lesson="{lesson}" data-total="{total}"></span>'
-        legend = f"<legend>Predict: {html.escape(asked.text)}</legend>"
+        totals = f'data-total="{total}"' + (f' data-exercises="{exercises}"' if exercises else "")
+        progress = f'<span class="np-progress" data-lesson="{lesson}" {totals}></span>'
+        legend = f"<legend>Predict: {_words(asked.text)}</legend>"
         question = f"{progress}<fieldset>{legend}{_controls(asked, f'{lesson}-{name}', answer, known)}</fieldset>"
-        folded = f"{_verdict(asked, right)}{result}<p><em>The usual mistake:</em> {html.escape(asked.mistake)}</p>"
-        summary = "Show me"
+        folded = f"{_verdict(asked, right)}{result}<p><em>The usual mistake:</em> {_words(asked.mistake)}</p>"
+        sketch = inlined("predict_sketch.js") if asked.kind == "sketch" else ""
+        summary, script = "Show me", sketch + inlined("progress.js") + inlined("predict.js")
     else:
-        question, folded, summary = "", result, f"More of the answer to: {html.escape(asked.text)}"
-    script = (_file("predict_sketch.js") if asked.kind == "sketch" else "") + _file("predict.js")
+        question, folded, script = "", result, inlined("predict_more.js")
+        summary = f"More of the answer to: {_words(asked.text)}"
     return (
-        f'<div class="np-box np-predict" {attributes}><style>{_file("predict.css")}</style>{question}'
+        f'<div class="np-box np-predict" {attributes}><style>{inlined("predict.css")}</style>{question}'
         f"<details><summary>{summary}</summary>{folded}</details><script>{script}</script></div>"
     )
 
 
+def _words(text: str) -> str:
+    return html.escape(_UNIT.sub("\u00a0", text))
+
+
 def _verdict(asked: Question, right: str) -> str:
     said = asked.options[asked.right] if asked.options else f"{right}{asked.unit}".strip()
-    return f"<p><strong>It is: {html.escape(said)}</strong></p>" if said else ""
+    return f"<p><strong>It is: {_words(said)}</strong></p>" if said else ""
 
 
 def _controls(asked: Question, name: str, answer, known) -> str:
     if asked.kind == "choice":
-        inputs = (
-            f'<li><label><input type="radio" name="{name}">{html.escape(each)}</label></li>' for each in asked.options
-        )
+        inputs = (f'<li><label><input type="radio" name="{name}">{_words(each)}</label></li>' for each in asked.options)
         return f"<ul>{''.join(inputs)}</ul>"
     if asked.kind == "number":
         return f'<label>Your number: <input type="number" step="any">{asked.unit}</label> '
@@ -118,7 +125,7 @@ def _points(pixels: np.ndarray) -> str:
 
 
 @cache
-def _file(name: str) -> str:
+def inlined(name: str) -> str:
     """A file beside this one on one line, without its comments: it is in every question of every lesson."""
     lines = (Path(__file__).parent / name).read_text(encoding="utf-8").splitlines()
     return " ".join(line.strip() for line in lines if line.strip() and not line.strip().startswith("//"))

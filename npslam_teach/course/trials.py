@@ -9,13 +9,14 @@ import copy
 import inspect
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from npslam_teach.course.checking import BLANK, Verdict, answer_of, as_array, is_blank, right, wrong
 from npslam_teach.course.comparing import CLOSE, SINGLE, close
+from npslam_teach.course.drawn import Drawing, drawn_over
 
 Mistakes = dict[str, Callable]
 
@@ -53,6 +54,7 @@ def check_function(
     trials: list[tuple],
     edges: dict[str, list[tuple]],
     praise: str,
+    drawing: Drawing | None = None,
 ) -> Verdict:
     """Judge a student's function.
 
@@ -63,6 +65,7 @@ def check_function(
         trials: arguments; the mistakes are looked for here.
         edges: by the situation, as in "with no votes at all", arguments that are tried afterwards.
         praise: for a right answer.
+        drawing: what the verdict shows of the answers, over those of ``truth``.
     """
     if is_blank(function):
         return wrong(BLANK)
@@ -74,7 +77,10 @@ def check_function(
         for situation, some in edges.items():
             for arguments in some:
                 verdict = verdict or _judged_edge(run, truth, parts, situation, arguments)
-    return verdict or right(praise)
+    verdict = verdict or right(praise)
+    if drawing is None or verdict.message == BLANK:
+        return verdict
+    return replace(verdict, picture=partial(drawn_over, drawing, function, truth))
 
 
 @dataclass(frozen=True)

@@ -92,6 +92,7 @@ def with_beginning(notebook: nbformat.NotebookNode, name: str, address: str | No
     for cell in notebook.cells:
         if TAG in cell.metadata.get("tags", []):
             cell.source = install_source(address)
+            cell.metadata["jupyter"] = {"source_hidden": True}  # JupyterLab folds it
     return notebook
 
 

@@ -32,6 +32,24 @@ def number(path: Path) -> str:
     return path.stem.split("_")[0]
 
 
+def navigation(name: str, names: list[str]) -> str:
+    """The links of a lesson to the one before, to the map of the course and to the one after, in Markdown.
+
+    Args:
+        name: of the lesson's file.
+        names: of all of them, in their order.
+    """
+    at = names.index(name)
+    links = [f"[← {_words(each)}]({each})" for each in names[max(at - 1, 0) : at]]
+    links += [f"[all lessons]({FIRST})"] if name != FIRST else []
+    links += [f"[{_words(each)} →]({each})" for each in names[at + 1 : at + 2]]
+    return " · ".join(links)
+
+
+def _words(name: str) -> str:
+    return Path(name).stem.replace("_", " ")
+
+
 def read(path: Path) -> nbformat.NotebookNode:
     """One notebook.
 

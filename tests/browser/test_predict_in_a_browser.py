@@ -14,6 +14,7 @@ from npslam_teach.course.predict import choice, number, questions, sketch
 
 predict = questions(
     "99",
+    exercises=2,
     pick=choice("Which one?", ["left", "middle", "right"], right=2, mistake="To look away."),
     count=number("How many metres?", mistake="To guess.", unit="m"),
     line=sketch("Where does it go?", mistake="To stop half-way.", box=(0, 0, 4, 2)),
@@ -22,6 +23,13 @@ with predict("pick"):
     print("it was the right one")
 """
 MORE = 'with predict("pick", part=2):\n    print("and more of it")'
+EXPLAINED = "<details><summary>What it shows</summary>\n\nRight is where the heart is not.\n\n</details>"
+CHECK = """
+from npslam_teach.course.checking import right
+from npslam_teach.course.verdict_page import exercise
+
+exercise("99", 2, of=2)(lambda answer: right("so it is"))(1)
+"""
 COUNT = 'with predict("count") as see:\n    print("counted")\n    see.answer(2.5)'
 LINE = """
 with predict("line") as see:
@@ -41,10 +49,11 @@ def hints_of(lesson):
 def page(chromium, lab):
     """The notebook as it is opened: its first cell has the output that a lesson is committed with, the others none."""
     path = lab.folder / "notebooks" / NAME
-    write_notebook(path, QUESTIONS, MORE, COUNT, LINE)
+    write_notebook(path, QUESTIONS, MORE, COUNT, LINE, CHECK)
     notebook = nbformat.read(path, as_version=4)
     committed = nbformat.read(ROOT / "notebooks" / LESSON, as_version=4).cells
     notebook.cells[0].outputs = next(cell.outputs for cell in committed if 'predict("cliff")' in cell.source)
+    notebook.cells.insert(2, nbformat.v4.new_markdown_cell(EXPLAINED))
     notebook.cells.append(nbformat.v4.new_markdown_cell(hints_of("04_dirichlet_process.ipynb")))
     nbformat.write(notebook, path)
     opened = new_context(chromium, viewport=LARGE_WINDOW, has_touch=True).new_page()
@@ -103,7 +112,7 @@ def test_solutions_do_not_stand_above_the_lessons(page):
 
 
 def test_hints_are_folded_and_then_the_solution_which_opens_though_it_is_not_listed(page):
-    hints = page.locator(".jp-MarkdownOutput > details")
+    hints = page.locator(".jp-MarkdownOutput > details", has_text="Hints for exercise")
     link = hints.get_by_role("link", name="solutions of this lesson")
     assert not hints.locator("li").first.is_visible()
     hints.locator("summary").first.click()
@@ -127,6 +136,34 @@ def test_a_choice_by_keys_unfolds_all_of_its_result_and_is_kept_in_the_browser(a
     assert kept(page, "pick") == 2
     assert "1 of 3 predicted" in question.inner_text()
     assert page.locator(".jp-Notebook .jp-Cell").count() == cells, "no key was a command of the notebook"
+
+
+def test_what_the_text_says_about_a_result_unfolds_with_it_and_folds_again(asked):
+    explained = asked.locator(".jp-MarkdownOutput > details", has_text="What it shows")
+    words = explained.get_by_text("where the heart is not")
+    question = box(asked, "Which one?")
+    assert not words.is_visible()
+    box(asked, "How many metres?").locator("summary").click()
+    assert not words.is_visible(), "it is the other question's"
+    question.get_by_role("radio").first.check()
+    question.get_by_role("button", name="This is my prediction").click()
+    words.wait_for()
+    question.get_by_role("button", name="Ask me again").click()
+    words.wait_for(state="hidden")
+    box(asked, "How many metres?").locator("summary").click()
+
+
+def test_a_check_that_passes_marks_its_exercise_and_the_mark_can_be_taken_away(asked):
+    done, question = asked.locator(".np-done"), box(asked, "Which one?")
+    assert "Right: so it is." in done.inner_text() and "1 of 2 exercises done" in done.inner_text()
+    assert "0 of 3 predicted, 1 of 2 exercises done" in question.inner_text()
+    stored = "localStorage.getItem('npslam/99/exercise/2')"
+    assert asked.evaluate(stored) == "true"
+    done.get_by_role("button", name="Take the mark away").click()
+    assert asked.evaluate(stored) is None
+    assert "0 of 2 exercises done" in done.inner_text() and "0 of 2 exercises done" in question.inner_text()
+    done.get_by_role("button", name="Mark as done").click()
+    assert asked.evaluate(stored) == "true"
 
 
 def test_a_number_is_compared_with_the_one_that_the_cell_has_computed(asked):

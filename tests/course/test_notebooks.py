@@ -134,6 +134,7 @@ HINTS = re.compile(
     r"<details><summary>The solution</summary>\n\n(.+?)\n\n</details>\n</details>",
     re.DOTALL,
 )
+OTHER_FOLDS = re.compile(r"<summary>(What it shows|Letters that mean something else here)</summary>")
 LESSONS_WITHOUT_EXERCISES = {"00_start_here", "draw_your_own_world"}
 
 
@@ -158,7 +159,8 @@ def test_every_exercise_has_hints_and_then_the_solution_folded_where_it_is_state
         for tag in cell.metadata.get("tags", []):
             if tag.startswith("exercise-"):
                 waiting.pop(int(tag.removeprefix("exercise-")))  # a KeyError: no hints before this exercise
-        assert cell.source.count("<details>") == 2 * len(HINTS.findall(cell.source)) == cell.source.count("</details>")
+        folds = 2 * len(HINTS.findall(cell.source)) + len(OTHER_FOLDS.findall(cell.source))
+        assert cell.source.count("<details>") == folds == cell.source.count("</details>")
     assert set(hints) == set(by_tag(notebook, "exercise")) and not waiting
     for number, words in hints.items():
         assert re.findall(r"^(\d)\. .{20}", words, re.MULTILINE) == ["1", "2"]
@@ -271,5 +273,5 @@ def test_the_map_of_the_course_gives_every_lessons_own_minutes():
     table = "".join(cell.source for cell in text_cells(nbformat.read(NOTEBOOKS[0], as_version=4)))
     for path in NOTEBOOKS[1:]:
         first = nbformat.read(path, as_version=4).cells[0].source
-        minutes = re.search(r"\*\*Time:\*\* (\d+) minutes", first).group(1)
+        minutes = re.search(r"\*\*Time:\*\* (\d+)\sminutes", first).group(1)
         assert re.search(rf"\({path.name}\) \| .* \| {minutes} \|", table), path.stem

@@ -6,13 +6,16 @@ from functools import partial
 import numpy as np
 
 from npslam_teach import se2
+from npslam_teach.course import drawings
 from npslam_teach.course.a_real_robot.check_inputs import first_of_each_pass_inputs, growth_inputs
 from npslam_teach.course.checking import Verdict
 from npslam_teach.course.comparing import exactly
 from npslam_teach.course.trials import Part, check_function, fresh
+from npslam_teach.course.verdict_page import exercise
 from npslam_teach.datasets.recordings import FIRST_LANDMARK
 
 
+@exercise("12", 1, of=5)
 def check_hidden(hidden: Callable) -> Verdict:
     """Exercise 1: ``hidden(codes, barcodes, num_classes)``, the class of every sighting (m,), -1 for a robot."""
 
@@ -51,6 +54,7 @@ def check_hidden(hidden: Callable) -> Verdict:
     return check_function(hidden, variant, Part("your classes", mistakes, exactly), trials, edges, praise)
 
 
+@exercise("12", 2, of=5)
 def check_lag_one(lag_one: Callable) -> Verdict:
     """Exercise 2: ``lag_one(errors, passes)``, a correlation."""
 
@@ -92,6 +96,7 @@ def check_lag_one(lag_one: Callable) -> Verdict:
     return check_function(lag_one, variant, Part("your correlation", mistakes), trials, edges, praise)
 
 
+@exercise("12", 3, of=5)
 def check_growth(growth: Callable) -> Verdict:
     """Exercise 3: ``growth(odometry, poses, n)``, (3,) m, m, rad."""
 
@@ -123,7 +128,9 @@ def check_growth(growth: Callable) -> Verdict:
         ),
     }
     part = Part("your error", mistakes, _rms)
-    return check_function(growth, variant, part, *growth_inputs(), "in a random walk this grows with the root of n")
+    return check_function(
+        growth, variant, part, *growth_inputs(), "in a random walk this grows with the root of n", drawings.growth()
+    )
 
 
 def _rms(answer: np.ndarray, truth, tolerance: float) -> bool:
@@ -131,6 +138,7 @@ def _rms(answer: np.ndarray, truth, tolerance: float) -> bool:
     return answer.shape == np.shape(truth) and np.allclose(answer, truth, rtol=tolerance, atol=0.1 * tolerance)
 
 
+@exercise("12", 4, of=5)
 def check_share_outside(share_outside: Callable) -> Verdict:
     """Exercise 4: ``share_outside(off, std, gate)``, a share."""
 
@@ -172,6 +180,7 @@ def _one_number(gate: float) -> float:
     return chi2.ppf(gate, 1)
 
 
+@exercise("12", 5, of=5)
 def check_first_of_each_pass(first_of_each_pass: Callable) -> Verdict:
     """Exercise 5: ``first_of_each_pass(labels, times, gap)``, (M,) bool."""
 

@@ -4,17 +4,20 @@ from npslam_teach.course.predict import choice, questions
 
 predict = questions(
     "12",
+    exercises=5,
     how_many_poses=choice(
         "How many poses does the log need?",
         ["1200, as many as lines", "about a third of them", "about twenty"],
         right=1,
         mistake="To keep every line. Between two of them nothing has happened that anyone could see.",
+        alts=["", "Landmarks in pairs along the walls; the path by the wheels drifts off."],
     ),
     rho=choice(
         "ρ of the simulated camera, and of this one?",
         ["both near 0", "near 0; near 0.8", "near 0.8; near 0", "both near 0.8"],
         right=1,
         mistake="To think that noise has a size, and that is all. It also has a duration.",
+        alts=["", "Errors by pass: in the recording every pass has a mean of its own."],
     ),
     twenty_steps=choice(
         "After 20 steps, which is further from the root of 20?",
@@ -28,6 +31,7 @@ predict = questions(
         ["1 % in all", "about 5 % misread, and 1 to 2 % of the rest", "about 20 %"],
         right=1,
         mistake="To count what was misread among the tails. A wrong barcode is another kind of error.",
+        alts=["", "Two clouds of errors, nearly all of both inside the gate."],
     ),
     passes=choice(
         "Which does the scatter within passes show?",

@@ -7,14 +7,17 @@ from dataclasses import replace
 import numpy as np
 
 from npslam_teach import association, se2
+from npslam_teach.course import drawings
 from npslam_teach.course.alternation.check_inputs import one_alternation_inputs
 from npslam_teach.course.checking import Verdict, as_array, wrong
 from npslam_teach.course.comparing import exactly, grouped_alike
 from npslam_teach.course.trials import Part, check_function, fresh
+from npslam_teach.course.verdict_page import exercise
 from npslam_teach.pose_graph import chi2, optimize, with_associations
 from npslam_teach.types import PoseGraph, RobotLog
 
 
+@exercise("06", 1, of=4)
 def check_objective(student: Callable) -> Verdict:
     """Exercise 1: ``student(chi2, votes, alpha, area)`` is the number that both half-steps bring down."""
 
@@ -69,6 +72,7 @@ def _objective_inputs() -> tuple[list, dict]:
     return trials, edges
 
 
+@exercise("06", 2, of=4)
 def check_votes_of_others(student: Callable) -> Verdict:
     """Exercise 2: ``student(k, labels, obs_class, num_objects)`` counts the votes that observation k is judged by."""
 
@@ -112,6 +116,7 @@ def check_votes_of_others(student: Callable) -> Verdict:
     return check_function(student, truth, part, trials, edges, praise)
 
 
+@exercise("06", 3, of=4)
 def check_one_alternation(student: Callable) -> Verdict:
     """Exercise 3: ``student(log, graph, labels, alpha, observation_std)`` does one round: labels and graph."""
 
@@ -145,7 +150,7 @@ def check_one_alternation(student: Callable) -> Verdict:
         Part("the graph", of_graph, _solved_alike, hint=hints[1], read=_read_graph),
     )
     praise = "repeat it until no label changes, and you have the whole method"
-    return check_function(student, truth, parts, trials, edges, praise)
+    return check_function(student, truth, parts, trials, edges, praise, drawings.one_alternation())
 
 
 def _half(log, graph, labels, alpha, observation_std) -> tuple[np.ndarray, PoseGraph]:
@@ -176,6 +181,7 @@ def _read_graph(name: str, answer, shape: tuple):
     return as_array(name, numbers, shape)
 
 
+@exercise("06", 4, of=4)
 def check_kept(student: Callable) -> Verdict:
     """Exercise 4: ``student(votes, epsilon)`` says which objects stay."""
 

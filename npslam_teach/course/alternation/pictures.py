@@ -2,10 +2,12 @@
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, MaxNLocator, NullLocator, ScalarFormatter
 
 from npslam_teach.association import class_posterior
+from npslam_teach.course.small_pictures import curves_figure
 from npslam_teach.evaluation import distances_to_truth
 from npslam_teach.evaluation.clustering import copies_of
 from npslam_teach.plotting.maps import laid_over_truth, names_of_classes, plot_objects, plot_snapshot, plot_trajectory
@@ -212,3 +214,19 @@ def kept_handles(truth: GroundTruth) -> list[Line2D]:
     gone = [Line2D([], [], label="taken away", **REJECTED)]
     paths = path_handles(("estimated path", "true path", "true object"))
     return class_handles(classes, truth.world.class_names) + gone + paths
+
+
+def weights_figure(votes=(1, 3, 20), alpha: float = 0.9) -> Figure:
+    """How much an object weighs for a sighting, by the distance and by the votes of the others.
+
+    Args:
+        votes: of the objects.
+        alpha: the weight of a new object, dashed.
+    """
+    x = np.linspace(0.0, 1.4, 141)
+    curves = {f"{m} vote{'s' if m > 1 else ''}": m * np.exp(-4 * x**2) for m in votes}
+    title = "who has more votes reaches further"
+    labels = ("distance from the object (m)", "weight (log scale)")
+    figure = curves_figure(x, curves, labels, title, line=(alpha, f"a new object: {alpha:g}"), log=True)
+    figure.axes[0].set_ylim(0.05, 40)
+    return figure

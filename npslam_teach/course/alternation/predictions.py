@@ -4,6 +4,7 @@ from npslam_teach.course.predict import choice, questions
 
 predict = questions(
     "06",
+    exercises=4,
     partners=choice(
         "Obj_8 first, Obj_1 last: which find a partner?",
         ["all of them", "Obj_6 to Obj_1, but not Obj_8 and Obj_7", "Obj_6, Obj_5 and Obj_4 alone", "none"],
@@ -15,6 +16,14 @@ predict = questions(
         ["three", "five", "eight"],
         right=1,
         mistake="To count classes. There are two chairs, a screen, a cup, and what was never there.",
+        alts=[
+            "",
+            (
+                "Two maps of the toy scene. Left, after the sweep: Obj_4 is tied to Obj_1, Obj_5 to Obj_2, "
+                "Obj_6 to Obj_3, and the path is still the wheels'. Right, after the solver: each pair has come "
+                "together, and the path is nearly the true one."
+            ),
+        ],
     ),
     falls=choice(
         "By how much does the number fall?",
@@ -30,6 +39,9 @@ predict = questions(
         ["yes, in most rooms", "it may, but in these ten rooms it does not", "it cannot"],
         right=1,
         mistake="To take what has not happened for what cannot. With the sensor's own noise it does rise.",
+        alts=[
+            "The objective of the room with most rises: up in five half-steps that ask who is who, down in between.",
+        ],
     ),
     best_of_75=choice(
         "Is the truth the best of 75, and how many of the 24 orders end there?",

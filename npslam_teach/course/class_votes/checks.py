@@ -6,12 +6,15 @@ import numpy as np
 
 from npslam_teach import association
 from npslam_teach.association import class_posterior
+from npslam_teach.course import drawings
 from npslam_teach.course.checking import Verdict
 from npslam_teach.course.class_votes.check_inputs import count_votes_inputs
 from npslam_teach.course.comparing import close, exactly
 from npslam_teach.course.trials import Part, check_function, fresh
+from npslam_teach.course.verdict_page import exercise
 
 
+@exercise("05", 1, of=5)
 def check_count_votes(function: Callable) -> Verdict:
     """Exercise 1: ``(labels, obs_class, num_objects, num_classes) -> (K, C+1)``."""
 
@@ -48,6 +51,7 @@ def check_count_votes(function: Callable) -> Verdict:
     return check_function(function, truth, part, *count_votes_inputs(), praise)
 
 
+@exercise("05", 2, of=5)
 def check_class_posterior(function: Callable) -> Verdict:
     """Exercise 2: ``(K, C+1) votes -> (K, C+1)`` probabilities."""
 
@@ -85,6 +89,7 @@ def check_class_posterior(function: Callable) -> Verdict:
     return check_function(function, truth, part, trials, edges, "each row adds up to 1, the doubt included")
 
 
+@exercise("05", 3, of=5)
 def check_false_positives(function: Callable) -> Verdict:
     """Exercise 3: ``(votes, epsilon) -> (K,)`` bool, True for a false positive."""
 
@@ -139,6 +144,7 @@ def _few_votes(rng: np.random.Generator) -> np.ndarray:
     return rng.permutation(votes)
 
 
+@exercise("05", 4, of=5)
 def check_log_density(function: Callable) -> Verdict:
     """Exercise 4: ``(x, a) -> number``, the logarithm of the Dirichlet density."""
     from scipy.special import gammaln
@@ -168,7 +174,7 @@ def check_log_density(function: Callable) -> Verdict:
     }
     part = Part("the log density", mistakes, _log_close, hint="with all a_i = 1 it must be the same number everywhere")
     praise = "a number also for hundreds and for thousands of votes"
-    return check_function(function, truth, part, trials, edges, praise)
+    return check_function(function, truth, part, trials, edges, praise, drawings.log_density())
 
 
 def _log_close(answer: np.ndarray, truth, tolerance: float) -> bool:
@@ -176,6 +182,7 @@ def _log_close(answer: np.ndarray, truth, tolerance: float) -> bool:
     return close(answer, truth, tolerance) or (np.shape(truth) == () and abs(float(answer) - truth) < tolerance)
 
 
+@exercise("05", 5, of=5)
 def check_true_class(function: Callable) -> Verdict:
     """Exercise 5: ``(votes (C,), confusion (C, C)) -> (C,)``, the posterior of the true class given the reports."""
 

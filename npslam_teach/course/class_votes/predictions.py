@@ -4,6 +4,7 @@ from npslam_teach.course.predict import choice, questions
 
 predict = questions(
     "05",
+    exercises=5,
     two_classes=choice(
         "Which objects have votes for more than one class?",
         ["the screen", "both chairs", "none"],
@@ -43,6 +44,10 @@ predict = questions(
         mistake=(
             "To take all three for the same thing. The mean adds the prior to every class, so it never rules one out."
         ),
+        alts=[
+            "",
+            "Against the prior: the mean is never zero; the mode is zero at a prior of 1 and does not exist below.",
+        ],
     ),
     misread=choice(
         "The detector reads one chair as a screen: how many objects, and where?",
@@ -67,6 +72,7 @@ predict = questions(
         mistake=(
             "To read shares as probabilities. Twenty reports against ten are strong evidence when the errors are known."
         ),
+        alts=["", "Objects found in eight rooms: hard votes about 32, soft votes about 18."],
     ),
     no_good=choice(
         "How much does a vote for the right class now weigh at distance zero?",

@@ -8,11 +8,15 @@ import numpy as np
 
 from npslam_teach import association
 from npslam_teach.association import association_weights, expected_num_objects
+from npslam_teach.course import drawings
 from npslam_teach.course.checking import Verdict, as_array, wrong
 from npslam_teach.course.comparing import exactly, grouped_alike
+from npslam_teach.course.dirichlet_process.mistakes import sweep_with
 from npslam_teach.course.trials import Part, check_function, fresh
+from npslam_teach.course.verdict_page import exercise
 
 
+@exercise("04", 1, of=5)
 def check_weights(function: Callable) -> Verdict:
     """Exercise 1: ``(votes, distance, kernel_std) -> (K,)`` weights."""
 
@@ -50,6 +54,7 @@ def check_weights(function: Callable) -> Verdict:
     return check_function(function, truth, Part("the weights", mistakes, hint=hint), trials, edges, praise)
 
 
+@exercise("04", 2, of=5)
 def check_reweight(function: Callable) -> Verdict:
     """Exercise 2: ``(weights, alpha) -> (K+1,)`` probabilities, the last one "new"."""
 
@@ -84,6 +89,7 @@ def check_reweight(function: Callable) -> Verdict:
     return check_function(function, truth, part, trials, edges, praise)
 
 
+@exercise("04", 3, of=5)
 def check_decide(function: Callable) -> Verdict:
     """Exercise 3: ``(probabilities, threshold) -> index``, the number of objects meaning "new"."""
 
@@ -134,6 +140,7 @@ def _read_index(name: str, answer, shape: tuple):
     return as_array(name, answer, shape)
 
 
+@exercise("04", 4, of=5)
 def check_expected_tables(function: Callable) -> Verdict:
     """Exercise 4: ``(num_guests, alpha) -> number``."""
 
@@ -158,9 +165,10 @@ def check_expected_tables(function: Callable) -> Verdict:
     edges = {"with one guest, who needs exactly 1 table": [(1, float(a)) for a in rng.uniform(0.1, 5.0, 2)]}
     praise = "the number of tables grows with every guest, ever more slowly, and never stops"
     part = Part("the expected number", mistakes, hint="one guest needs exactly 1 table")
-    return check_function(function, truth, part, trials, edges, praise)
+    return check_function(function, truth, part, trials, edges, praise, drawings.expected_tables())
 
 
+@exercise("04", 5, of=5)
 def check_sweep(function: Callable) -> Verdict:
     """Exercise 5: ``(labels, landmarks, xy, obs_class, alpha) -> (M,)`` labels, grouped as ``sweep`` does."""
 
@@ -175,7 +183,7 @@ def check_sweep(function: Callable) -> Verdict:
         "the best match is taken however bad it is: a new object is never opened": "never new",
         "alpha is 0.5 whatever is given: use the argument": "alpha",
     }
-    mistakes = {message: partial(_sweep_with, mistake) for message, mistake in mistakes.items()}
+    mistakes = {message: partial(sweep_with, mistake) for message, mistake in mistakes.items()}
     rng = fresh()
     trials = [_scene(rng, start) for start in ("alone", "grouped") * 6]
     labels, landmarks, xy, obs_class, alpha = trials[0]
@@ -224,25 +232,3 @@ def _scene(rng: np.random.Generator, start: str) -> tuple:
 
 def _numbered(labels: np.ndarray) -> np.ndarray:
     return np.unique(labels, return_inverse=True)[1]
-
-
-def _sweep_with(mistake: str, labels, landmarks, xy, obs_class, alpha) -> np.ndarray:
-    """A sweep with one typical mistake in it."""
-    labels, room = labels.copy(), len(labels)
-    alpha = 0.5 if mistake == "alpha" else alpha
-    places, num_objects = np.vstack([landmarks, np.zeros((room, 2))]), len(landmarks)
-    obs_class = np.zeros_like(obs_class) if mistake == "class" else obs_class
-    votes = np.zeros((len(places), 2))
-    np.add.at(votes, (labels, obs_class), 1.0)
-    for k in range(room) if mistake == "order" else reversed(range(room)):
-        c, own = obs_class[k], labels[k]
-        votes[own, c] -= mistake != "own vote"
-        weights = association_weights(votes[:num_objects, c], np.linalg.norm(places[:num_objects] - xy[k], axis=1))
-        best = int(np.argmax(weights))
-        chosen = best if mistake == "never new" or weights[best] > alpha else num_objects
-        labels[k] = chosen
-        if chosen == num_objects:
-            places[chosen], num_objects = xy[k], num_objects + 1
-        votes[own if mistake == "old votes" else chosen, c] += mistake != "own vote" or chosen != own
-        votes[own, c] -= mistake == "own vote" and chosen != own
-    return labels

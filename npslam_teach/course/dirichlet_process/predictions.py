@@ -4,6 +4,7 @@ from npslam_teach.course.predict import choice, questions
 
 predict = questions(
     "04",
+    exercises=5,
     fits=choice(
         "Which fits best, and is it much better than the second?",
         ["Obj_2, by far", "Obj_2, with Obj_1 close behind", "Obj_1", "the screen, Obj_6"],
@@ -47,6 +48,7 @@ predict = questions(
             "To multiply guests and α. Every guest makes the next new table less likely, so the "
             "number grows with the logarithm."
         ),
+        alts=["", "Tables against guests: for each alpha the mean lies on the dashed formula."],
     ),
     alphas=choice(
         "From α = 0.1 to 0.99, and on to 1?",

@@ -6,15 +6,19 @@ from functools import partial
 import numpy as np
 
 from npslam_teach import se2
+from npslam_teach.course import drawings
 from npslam_teach.course.checking import Verdict
 from npslam_teach.course.comparing import close
+from npslam_teach.course.drawn import Drawing
 from npslam_teach.course.trials import Part, check_function, fresh
+from npslam_teach.course.verdict_page import exercise
 
 NOT_WRAPPED = "the angle is not wrapped: one direction has two numbers, keep the one from -180 up to 180 degrees"
 NOT_TURNED = "nothing is turned: 'forward' and 'left' are the robot's directions, not the room's"
 TURNED_BACKWARDS = "the rotation goes the wrong way round: look at the sign before the sine"
 
 
+@exercise("02", 1, of=5)
 def check_compose(compose: Callable) -> Verdict:
     """Exercise 1: ``compose(pose, step)``, (3,), the angle wrapped."""
 
@@ -38,6 +42,7 @@ def check_compose(compose: Callable) -> Verdict:
     return _check("your pose", compose, truth, mistakes, trials, edges, "a step takes you from one pose to the next")
 
 
+@exercise("02", 2, of=5)
 def check_between(between: Callable) -> Verdict:
     """Exercise 2: ``between(pose_a, pose_b)``, (3,), the angle wrapped."""
 
@@ -65,6 +70,7 @@ def check_between(between: Callable) -> Verdict:
     return _check("your step", between, truth, mistakes, trials, edges, "this is what wheels measure")
 
 
+@exercise("02", 3, of=5)
 def check_dead_reckoning(dead_reckoning: Callable) -> Verdict:
     """Exercise 3: ``dead_reckoning(odometry, start)``, (T, 3)."""
 
@@ -91,9 +97,10 @@ def check_dead_reckoning(dead_reckoning: Callable) -> Verdict:
         "without a step, when the path is the start alone": [(np.empty((0, 3)), _poses(1)[0])],
     }
     praise = "every pose is built on the one before it"
-    return _check("your path", dead_reckoning, truth, mistakes, trials, edges, praise)
+    return _check("your path", dead_reckoning, truth, mistakes, trials, edges, praise, drawings.dead_reckoning())
 
 
+@exercise("02", 4, of=5)
 def check_to_world(to_world: Callable) -> Verdict:
     """Exercise 4: ``to_world(pose, xy_robot)``, (2,)."""
 
@@ -113,6 +120,7 @@ def check_to_world(to_world: Callable) -> Verdict:
     return _check("your point", to_world, truth, mistakes, trials, edges, "every sighting can go onto the map")
 
 
+@exercise("02", 5, of=5)
 def check_sighting_covariance(sighting_covariance: Callable) -> Verdict:
     """Exercise 5: ``sighting_covariance(pose, pose_cov, xy_robot, observation_std)``, (2, 2)."""
 
@@ -162,13 +170,22 @@ def _with(pose: np.ndarray, index: int, value: float) -> np.ndarray:
     return changed
 
 
-def _check(name: str, function: Callable, truth: Callable, mistakes: dict, trials: list, edges: dict, praise: str):
+def _check(
+    name: str,
+    function: Callable,
+    truth: Callable,
+    mistakes: dict,
+    trials: list,
+    edges: dict,
+    praise: str,
+    drawing: Drawing | None = None,
+):
     """Look for a missing wrap first, then for all other mistakes, whether or not the angles are wrapped."""
     with_angles = np.shape(truth(*trials[0]))[-1] == 3
     mistakes = {NOT_WRAPPED: truth} | mistakes if with_angles else mistakes
     same, like = (_wrapped, _up_to_turns) if with_angles else (close, None)
     hint = partial(_difference, name)
-    return check_function(function, truth, Part(name, mistakes, same, like, hint), trials, edges, praise)
+    return check_function(function, truth, Part(name, mistakes, same, like, hint), trials, edges, praise, drawing)
 
 
 def _wrapped(answer: np.ndarray, truth, tolerance: float) -> bool:

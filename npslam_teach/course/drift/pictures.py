@@ -148,3 +148,19 @@ def plot_growth(ax: Axes, predicted: np.ndarray, errors: np.ndarray) -> Axes:
     return label_axes(
         ax, "pose t (index)", "distance from the truth (m)", "the error rises in waves: on the way back it shrinks"
     )
+
+
+def plot_growing(ax: Axes, path: np.ndarray, covs: np.ndarray) -> Axes:
+    """A path with the ellipse of each pose: the position's, two standard deviations wide, and how it grows.
+
+    Args:
+        ax: a map.
+        path: (T, 3) m, m, rad.
+        covs: (T, 3, 3) of the poses.
+    """
+    ax.plot(*path[:, :2].T, color=ESTIMATE_COLOR, linewidth=1.4, marker="o", markersize=5)
+    for t, (pose, cov) in enumerate(zip(path, covs, strict=True)):
+        if t:  # the first pose is where the map begins, and certain
+            ax.plot(*ellipse_points(pose[:2], cov[:2, :2]).T, color=ELLIPSE_COLOR, linewidth=2.0)
+        ax.annotate(f"{t}", pose[:2], (6, 6), textcoords="offset points", fontsize=TEXT_SIZE["legend"])
+    return label_map(ax, "every step adds to the ellipse")

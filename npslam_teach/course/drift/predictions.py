@@ -4,6 +4,7 @@ from npslam_teach.course.predict import choice, questions, sketch
 
 predict = questions(
     "02",
+    exercises=5,
     compose=choice(
         "Where is it, and where does it look?",
         [

@@ -5,12 +5,15 @@ from collections.abc import Callable
 import numpy as np
 
 from npslam_teach import se2
+from npslam_teach.course import drawings
 from npslam_teach.course.checking import Verdict
 from npslam_teach.course.comparing import close
 from npslam_teach.course.trials import Part, check_function, fresh
+from npslam_teach.course.verdict_page import exercise
 from npslam_teach.evaluation import compare_partitions
 
 
+@exercise("07", 1, of=3)
 def check_per_dof(student: Callable) -> Verdict:
     """Exercise 1: ``student(chi2, num_poses, num_observations, num_objects)`` is chi2 per degree of freedom."""
 
@@ -48,6 +51,7 @@ def check_per_dof(student: Callable) -> Verdict:
     return check_function(student, truth, Part("the answer", mistakes, hint=hint), trials, edges, praise)
 
 
+@exercise("07", 2, of=3)
 def check_mean_pose_error(student: Callable) -> Verdict:
     """Exercise 2: ``student(poses, true_poses)`` is the mean distance after the best rigid alignment."""
 
@@ -105,6 +109,7 @@ def _fitted(poses: np.ndarray, truth: np.ndarray, mirror: bool = False, stretch:
     return _apart(scale * xy @ (left * keep) @ right, true_xy)
 
 
+@exercise("07", 3, of=3)
 def check_adjusted_rand(student: Callable) -> Verdict:
     """Exercise 3: ``student(true_labels, labels)`` is the adjusted Rand index, by counting pairs."""
 
@@ -139,7 +144,12 @@ def check_adjusted_rand(student: Callable) -> Verdict:
     hint = "the number is off: count the pairs that are together in the truth, in the result, and in both"
     praise = "1 is perfect and 0 is what chance would give, whatever the objects are called"
     return check_function(
-        student, truth, Part("the index", mistakes, _as_index, hint=hint), *_adjusted_rand_inputs(), praise
+        student,
+        truth,
+        Part("the index", mistakes, _as_index, hint=hint),
+        *_adjusted_rand_inputs(),
+        praise,
+        drawings.adjusted_rand(),
     )
 
 

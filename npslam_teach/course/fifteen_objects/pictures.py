@@ -3,9 +3,19 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from npslam_teach.plotting.style import CLASS_COLORS, TEXT_SIZE, class_style, label_axes, legend_beside
+from npslam_teach.course.small_pictures import dots_figure
+from npslam_teach.plotting.style import (
+    CLASS_COLORS,
+    TEXT_SIZE,
+    class_style,
+    label_axes,
+    label_map,
+    legend_beside,
+    new_figure,
+)
 
 LINES = ("-", "--", "-.", ":")
 
@@ -79,3 +89,26 @@ def plot_robust_kernels(ax: Axes, residual: np.ndarray, costs: dict[str, np.ndar
     return label_axes(
         ax, "residual (standard deviations)", "cost (no unit)", f"an error of {residual[largest]:g} costs {prices}"
     )
+
+
+def split_figure(seen_at: np.ndarray, halves: dict[str, np.ndarray]) -> Figure:
+    """The sightings of one object, split in two in several ways.
+
+    Args:
+        seen_at: (M, 2) m, where they lie.
+        halves: by the way, (M,) 0 or 1.
+    """
+    figure, axes = new_figure(1, len(halves), (8.0, 3.6), sharex=True, sharey=True)
+    for ax, (name, half) in zip(axes, halves.items(), strict=True):
+        for k in (0, 1):
+            color, marker = class_style(k)
+            ax.plot(*seen_at[half == k].T, marker, linestyle="none", color=color, markersize=6, alpha=0.8)
+        label_map(ax, f"split by {name}")
+    return figure
+
+
+def noise_figure(found: dict[float, list[int]]) -> Figure:
+    """The number of objects found in several rooms, by the noise."""
+    labels, line = ("a dot for each room", "objects found (number)"), (15, "true number: 15")
+    groups = {f"noise {noise:g}": counts for noise, counts in found.items()}
+    return dots_figure(groups, labels, "more noise, more objects", line)

@@ -4,6 +4,7 @@ from npslam_teach.course.predict import choice, number, questions
 
 predict = questions(
     "07",
+    exercises=3,
     clouds=choice(
         "Three chairs: how many clouds of chairs?",
         ["fewer than three", "three", "more than three"],
@@ -59,6 +60,9 @@ predict = questions(
         ["at 1.5 times", "at 3 times", "at 5 times", "never"],
         right=0,
         mistake="To trust one good run. There is little room above the paper's noise.",
+        alts=[
+            "Dots for five rooms each: at noise 1 mostly on the line of 15, at noise 2 mostly above.",
+        ],
     ),
     threshold=choice(
         "Which threshold would you choose?",
@@ -81,5 +85,9 @@ predict = questions(
         ["both far above 1", "about 1; far above 1", "far above 1; about 1", "both about 1"],
         right=1,
         mistake="To think that χ² can count. More objects always fit at least as well.",
+        alts=[
+            "",
+            "The sightings of one object: odd and even ones lie among each other, east and west ones side by side.",
+        ],
     ),
 )

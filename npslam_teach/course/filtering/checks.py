@@ -7,14 +7,17 @@ from itertools import permutations
 import numpy as np
 
 from npslam_teach import se2
+from npslam_teach.course import drawings
 from npslam_teach.course.checking import Verdict
 from npslam_teach.course.comparing import exactly
 from npslam_teach.course.filtering.check_inputs import add_object_inputs, covariance, match_frame_inputs
 from npslam_teach.course.trials import Part, check_function, fresh
+from npslam_teach.course.verdict_page import exercise
 
 NOT_SQUARED = "a standard deviation must be squared before it is added to a variance"
 
 
+@exercise("09", 1, of=5)
 def check_kalman_gain(kalman_gain: Callable) -> Verdict:
     """Exercise 1: ``kalman_gain(variance, slope, noise_std)``, a number."""
 
@@ -50,6 +53,7 @@ def check_kalman_gain(kalman_gain: Callable) -> Verdict:
     return check_function(kalman_gain, truth, Part("your gain", mistakes), trials, edges, praise)
 
 
+@exercise("09", 2, of=5)
 def check_squared_mahalanobis(squared_mahalanobis: Callable) -> Verdict:
     """Exercise 2: ``squared_mahalanobis(innovation, innovation_cov)``, a number."""
 
@@ -78,6 +82,7 @@ def check_squared_mahalanobis(squared_mahalanobis: Callable) -> Verdict:
     return check_function(squared_mahalanobis, truth, Part("your number", mistakes), trials, edges, praise)
 
 
+@exercise("09", 3, of=5)
 def check_match_frame(match_frame: Callable) -> Verdict:
     """Exercise 3: ``match_frame(squared_distance, gate)``, (m,) objects or -1."""
 
@@ -97,6 +102,7 @@ def check_match_frame(match_frame: Callable) -> Verdict:
     return check_function(match_frame, truth, Part("your matches", mistakes, exactly), *match_frame_inputs(), praise)
 
 
+@exercise("09", 4, of=5)
 def check_add_object(add_object: Callable) -> Verdict:
     """Exercise 4: ``add_object(mean, cov, xy, observation_std)``: mean (n+2,) and covariance (n+2, n+2)."""
 
@@ -143,6 +149,7 @@ def _part(variant: Callable, wrongly: dict, k: int) -> dict:
     return {text: lambda *trial, keys=keys: variant(*trial, **keys)[k] for text, keys in wrongly.items()}
 
 
+@exercise("09", 5, of=5)
 def check_nis_bounds(nis_bounds: Callable) -> Verdict:
     """Exercise 5: ``nis_bounds(num_matches, probability)``, the low and the high end, (2,)."""
     from scipy.stats import chi2, norm
@@ -171,7 +178,9 @@ def check_nis_bounds(nis_bounds: Callable) -> Verdict:
     trials = [(int(n), float(rng.uniform(0.6, 0.98))) for n in (2, 7, 50, 400, *rng.integers(3, 900, 6))]
     edges = {"with a single match": [(1, 0.95)], "with thousands of matches": [(5000, 0.99)]}
     praise = "a filter whose average leaves these bounds is too sure of itself, or not sure enough"
-    return check_function(nis_bounds, variant, Part("your bounds", mistakes), trials, edges, praise)
+    return check_function(
+        nis_bounds, variant, Part("your bounds", mistakes), trials, edges, praise, drawings.nis_bounds()
+    )
 
 
 def _mean_difference(answers: list, expected: list) -> str:

@@ -4,6 +4,7 @@ from npslam_teach.course.predict import choice, questions
 
 predict = questions(
     "09",
+    exercises=5,
     corridor=choice(
         "Nearer to which, and how sure?",
         [
@@ -24,6 +25,10 @@ predict = questions(
             "To correct what was looked at. The gain reaches all that shares an error; what was seen "
             "from pose 0 shares none."
         ),
+        alts=[
+            "",
+            "Ellipses before and after: the robot's moves and shrinks, the screen's shifts a little, the chairs' stay.",
+        ],
     ),
     gates=choice(
         "Within the gate of which chair, and with very small gates?",
@@ -43,18 +48,30 @@ predict = questions(
         mistake=(
             "To think that a filter gets less sure when it is wrong. The covariance never looks at the innovation."
         ),
+        alts=[
+            "",
+            "Four cases: told chair A the robot is off by far more than the bar of what the filter promises.",
+        ],
     ),
     graph_says=choice(
         "What does the graph say to chair A, chair B and new?",
         ["A fits best", "B and new fit alike, A does not", "all three fit", "new fits best by far"],
         right=1,
         mistake=("To expect that χ² prefers the truth to a new object. It cannot; only the price of an object does."),
+        alts=[
+            "",
+            "Three bars: chair A is the highest by far, chair B and new are nearly alike.",
+        ],
     ),
     circle=choice(
         "Where does plain subtraction go wrong, and by how much?",
         ["at 0°, by 360°", "at 180°, by 360°", "everywhere, by a little"],
         right=1,
         mistake="To look at zero. Headings jump at half a turn.",
+        alts=[
+            "",
+            "The NIS stays low when wrapped; plain, it jumps into the thousands beyond 180 degrees.",
+        ],
     ),
     half_noise=choice(
         "It believes half the true noise: how large is the average NIS?",

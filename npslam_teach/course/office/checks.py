@@ -6,12 +6,15 @@ import numpy as np
 
 from npslam_teach.association import false_positives
 from npslam_teach.camera import Intrinsics, back_project, foreground, on_floor
+from npslam_teach.course import drawings
 from npslam_teach.course.checking import Verdict, as_array
 from npslam_teach.course.comparing import close, exactly
 from npslam_teach.course.office.check_inputs import position_variance_inputs
 from npslam_teach.course.trials import Part, check_function, fresh
+from npslam_teach.course.verdict_page import exercise
 
 
+@exercise("08", 1, of=5)
 def check_pixel_to_point(pixel_to_point: Callable) -> Verdict:
     """Exercise 1: ``pixel_to_point(u, v, depth, camera)`` -> (3,) m, right, down, ahead."""
 
@@ -44,6 +47,7 @@ def check_pixel_to_point(pixel_to_point: Callable) -> Verdict:
     return check_function(pixel_to_point, truth, Part("the point", mistakes), trials, edges, praise)
 
 
+@exercise("08", 2, of=5)
 def check_foreground_centre(foreground_centre: Callable) -> Verdict:
     """Exercise 2: ``foreground_centre(points)`` of (N, 3) -> (2,) m, ahead, left."""
 
@@ -98,6 +102,7 @@ def _slope() -> np.ndarray:
     return np.column_stack([depth * rng.uniform(0.2, 0.6) + rng.normal(0, 0.05, 101), rng.normal(0, 0.2, 101), depth])
 
 
+@exercise("08", 4, of=5)
 def check_position_variance(position_variance: Callable) -> Verdict:
     """Exercise 4: ``position_variance(xy, labels, num_objects)`` -> (K,) m^2."""
 
@@ -148,6 +153,7 @@ def _read_variances(name: str, answer, shape: tuple):
     return as_array(name, answer, shape)
 
 
+@exercise("08", 3, of=5)
 def check_valid_and_inliers(valid_and_inliers: Callable) -> Verdict:
     """Exercise 3: ``valid_and_inliers(votes, epsilon)`` -> number of valid objects, number of their observations."""
 
@@ -189,6 +195,7 @@ def check_valid_and_inliers(valid_and_inliers: Callable) -> Verdict:
     return check_function(valid_and_inliers, truth, Part("the pair", mistakes, exactly), trials, edges, praise)
 
 
+@exercise("08", 5, of=5)
 def check_floor_pose(floor_pose: Callable) -> Verdict:
     """Exercise 5: ``floor_pose(T)`` of a camera's (4, 4) -> (3,) x, y, theta."""
 
@@ -216,7 +223,9 @@ def check_floor_pose(floor_pose: Callable) -> Verdict:
     trials = [(_camera_pose(rng.uniform(-3, 3, 3), each, rng.uniform(0.05, 0.2)),) for each in headings]
     edges = {"for the first camera": [(np.eye(4),)], "looking back": [(_camera_pose(np.zeros(3), 3.0, 0.0),)]}
     praise = "this is how the authors' camera poses become the odometry of a robot on a floor"
-    return check_function(floor_pose, truth, Part("the pose", mistakes, _same_pose), trials, edges, praise)
+    return check_function(
+        floor_pose, truth, Part("the pose", mistakes, _same_pose), trials, edges, praise, drawings.floor_pose()
+    )
 
 
 def _same_pose(answer: np.ndarray, truth, tolerance: float) -> bool:

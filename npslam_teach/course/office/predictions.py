@@ -4,6 +4,7 @@ from npslam_teach.course.predict import choice, questions
 
 predict = questions(
     "08",
+    exercises=5,
     mean_of_box=choice(
         "Does the mean of all pixels in the box lie on the chair?",
         ["yes", "no, in front of it", "no, behind it"],
@@ -17,12 +18,20 @@ predict = questions(
         ["in all", "only where the depths scatter", "in none"],
         right=1,
         mistake="To blame the mean as such. Where all pixels are of the object every rule agrees.",
+        alts=[
+            "",
+            "Error against the scatter of depths: the mean begins lowest and ends highest.",
+        ],
     ),
     two_screens=choice(
         "Two screens 0.7 m apart: are they kept apart?",
         ["always", "often not"],
         right=1,
         mistake="To compare 0.7 m with the error of the camera. The kernel and the drift are wider.",
+        alts=[
+            "",
+            "Map of the screens: of some pairs of squares all sightings have one colour and marker.",
+        ],
     ),
     each_one=choice(
         "About as many as there are: is each of them one real object?",

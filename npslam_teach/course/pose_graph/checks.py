@@ -6,13 +6,16 @@ from functools import partial
 import numpy as np
 
 from npslam_teach import se2
+from npslam_teach.course import drawings
 from npslam_teach.course.checking import Verdict, wrong
 from npslam_teach.course.pose_graph.check_inputs import between_residual_inputs
 from npslam_teach.course.pose_graph.random_system import random_system
 from npslam_teach.course.trials import Part, check_function, fresh
+from npslam_teach.course.verdict_page import exercise
 from npslam_teach.pose_graph import between_residual, observation_jacobians, observation_residual
 
 
+@exercise("03", 1, of=5)
 def check_observation_residual(student: Callable) -> Verdict:
     """Exercise 1: ``(pose, landmark, measured)`` to (2,) m, in the frame of the pose."""
 
@@ -43,6 +46,7 @@ def check_observation_residual(student: Callable) -> Verdict:
     return _check("the residual", student, truth, mistakes, trials, edges, praise)
 
 
+@exercise("03", 2, of=5)
 def check_observation_jacobian(student: Callable) -> Verdict:
     """Exercise 2: ``(pose, landmark)`` to (2, 3), the derivative of exercise 1 by the pose."""
 
@@ -74,6 +78,7 @@ def check_observation_jacobian(student: Callable) -> Verdict:
     return _check("the Jacobian", student, truth, mistakes, trials, edges, praise, hint)
 
 
+@exercise("03", 3, of=5)
 def check_between_residual(student: Callable) -> Verdict:
     """Exercise 3: ``(pose_i, pose_j, measured)`` to (3,) m, m, rad, in the frame of pose i, the angle wrapped."""
 
@@ -108,6 +113,7 @@ def check_between_residual(student: Callable) -> Verdict:
     return _check("the residual", student, truth, mistakes, *between_residual_inputs(), praise)
 
 
+@exercise("03", 4, of=5)
 def check_gauss_newton_step(student: Callable) -> Verdict:
     """Exercise 4: the whole ``H`` (n, n) with pose 0 in its first three rows, ``b`` (n,), to the step (n,)."""
 
@@ -154,6 +160,7 @@ def _held(H: np.ndarray, b: np.ndarray, free: slice) -> np.ndarray:
     return step
 
 
+@exercise("03", 5, of=5)
 def check_landmark_covariance(student: Callable) -> Verdict:
     """Exercise 5: ``(H, num_poses, k)``, H without pose 0, to the covariance (2, 2) m^2 of landmark k.
 
@@ -196,7 +203,8 @@ def _landmark_covariance(student: Callable, kind: Callable) -> Verdict:
         "with pose 0 alone, which is not in H": [(kind(np.eye(4)), 1, 1)],
     }
     praise = "the uncertainty of all poses is in it, without having asked for it"
-    return _check("the covariance", student, truth, mistakes, trials, edges, praise)
+    drawing = drawings.landmark_covariance(kind)
+    return _check("the covariance", student, truth, mistakes, trials, edges, praise, drawing=drawing)
 
 
 def _dense(H) -> np.ndarray:
@@ -215,7 +223,7 @@ def _pose(rng: np.random.Generator) -> np.ndarray:
     return np.append(rng.uniform(-3, 3, 2), rng.uniform(-np.pi, np.pi))
 
 
-def _check(name, student, truth, mistakes, trials, edges, praise, column: str = "") -> Verdict:
+def _check(name, student, truth, mistakes, trials, edges, praise, column: str = "", drawing=None) -> Verdict:
     """Judge with the tolerance of a derivative by differences; say which entry is off, or which column."""
 
     def where(answers, expected):
@@ -224,7 +232,7 @@ def _check(name, student, truth, mistakes, trials, edges, praise, column: str = 
         place = f"{column}{off[-1]}" if column else f"entry {', '.join(str(int(k)) for k in off)}"
         return f"{place} is off by {np.abs(answer - wanted).max():.3g}"
 
-    return check_function(student, truth, Part(name, mistakes, _close, hint=where), trials, edges, praise)
+    return check_function(student, truth, Part(name, mistakes, _close, hint=where), trials, edges, praise, drawing)
 
 
 def _close(answer: np.ndarray, other, tolerance: float) -> bool:

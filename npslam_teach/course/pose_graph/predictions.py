@@ -4,6 +4,7 @@ from npslam_teach.course.predict import choice, questions
 
 predict = questions(
     "03",
+    exercises=5,
     lands=choice(
         "Where does the third sighting land, and which way does it pull pose 2?",
         ["on the chair; nowhere", "beyond the chair; back", "beyond the chair; onwards", "before the chair; onwards"],
@@ -24,6 +25,9 @@ predict = questions(
         ],
         right=2,
         mistake=("To forget that the world turns the other way in the robot's frame, or that an angle has a lever."),
+        alts=[
+            "After a turn to the left three things that were straight ahead lie to the right, the furthest the most.",
+        ],
     ),
     blocks=choice(
         "Between which variables has H no block?",
@@ -42,6 +46,9 @@ predict = questions(
             "To count east and north and to forget turning. The solver does not find where the room "
             "is: nothing measured says so."
         ),
+        alts=[
+            "The map of three poses and a chair three times, moved east, moved north, and turned, unchanged in itself.",
+        ],
     ),
     identity=choice(
         "Adding the identity: is the map right, and the uncertainty?",
@@ -79,6 +86,7 @@ predict = questions(
             "To expect that a solver which comes to rest has found the lowest point. One of the two "
             "rests in a local minimum, far above."
         ),
+        alts=["", "Gauss-Newton climbs twice or thrice and ends far above the loop with damping."],
     ),
     wrong_sign=choice(
         "One sign wrong in one Jacobian: what does Gauss-Newton do?",

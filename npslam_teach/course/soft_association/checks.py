@@ -6,10 +6,13 @@ from functools import partial
 
 import numpy as np
 
+from npslam_teach.course import drawings
 from npslam_teach.course.checking import Verdict
 from npslam_teach.course.trials import Part, check_function, fresh
+from npslam_teach.course.verdict_page import exercise
 
 
+@exercise("13", 1, of=4)
 def check_pair_probabilities(pair_probabilities: Callable) -> Verdict:
     """Exercise 1: ``pair_probabilities(weights)``, (m, K) to (m, K)."""
 
@@ -79,6 +82,7 @@ def _total(weights: np.ndarray) -> float:
     return rest
 
 
+@exercise("13", 2, of=4)
 def check_true_class(true_class: Callable) -> Verdict:
     """Exercise 2: ``true_class(reports, confusion)``, the posterior (C,) of an object's class."""
 
@@ -115,6 +119,7 @@ def check_true_class(true_class: Callable) -> Verdict:
     return check_function(true_class, variant, Part("your posterior", mistakes), trials, edges, praise)
 
 
+@exercise("13", 3, of=4)
 def check_class_distance(class_distance: Callable) -> Verdict:
     """Exercise 3: ``class_distance(belief, likelihood)``, what the classes add to the squared distance."""
 
@@ -146,6 +151,7 @@ def check_class_distance(class_distance: Callable) -> Verdict:
     return check_function(class_distance, variant, Part("your distance", mistakes), trials, edges, praise)
 
 
+@exercise("13", 4, of=4)
 def check_m_step(m_step: Callable) -> Verdict:
     """Exercise 4: ``m_step(seen, weights, information)``, the best places (K, 2) of the objects."""
 
@@ -188,4 +194,4 @@ def check_m_step(m_step: Callable) -> Verdict:
             (np.array([[1.0, 2.0], [3.0, 5.0]]), np.array([[1.0, 0.2], [0.0, 0.8]]), np.tile(np.eye(2), (2, 1, 1)))
         ],
     }
-    return check_function(m_step, variant, Part("your places", mistakes), trials, edges, praise)
+    return check_function(m_step, variant, Part("your places", mistakes), trials, edges, praise, drawings.m_step())

@@ -4,6 +4,7 @@ from npslam_teach.course.predict import choice, questions
 
 predict = questions(
     "13",
+    exercises=4,
     one_frame=choice(
         "Which observation is of chair 2, and how sure is that?",
         ["observation 1, nearly certain", "observation 1, four in five", "observation 2, four in five", "neither"],

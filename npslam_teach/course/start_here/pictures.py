@@ -1,10 +1,23 @@
-"""How a sighting is carried into the room: ahead and left are the robot's own axes, and turn with it."""
+"""What the robot is given, and how a sighting is carried into the room: the axes "ahead" and "left" turn with it."""
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from npslam_teach import se2
-from npslam_teach.plotting.style import CLASS_COLORS, ESTIMATE_COLOR, TEXT_SIZE, label_map
+from npslam_teach.course.small_pictures import bars_figure, dots_figure
+from npslam_teach.plotting.style import (
+    CLASS_COLORS,
+    ESTIMATE_COLOR,
+    TEXT_SIZE,
+    class_handles,
+    class_style,
+    label_axes,
+    label_map,
+    legend_beside,
+    new_figure,
+)
+from npslam_teach.types import RobotLog
 
 WIDE = {"textcoords": "offset points", "fontsize": TEXT_SIZE["label"], "ha": "center", "va": "center"}
 
@@ -30,5 +43,41 @@ def plot_carried(ax: Axes, pose: np.ndarray, sighting: np.ndarray) -> Axes:
     ax.plot(*corners[2], marker="o", markersize=11, color=ESTIMATE_COLOR)
     ax.annotate("the sighting", corners[2], (0, 18), **WIDE)
     ax.annotate(f"robot at ({pose[0]:g}, {pose[1]:g})", corners[0], (0, -20), **WIDE)
-    ax.set(xlim=(0, 5), ylim=(0, 4))
+    low, high = np.minimum(corners.min(axis=0) - 0.6, 0), np.maximum(corners.max(axis=0) + 0.6, (5, 4))
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     return label_map(ax, "ahead and left are the robot's axes: they turn with it")
+
+
+def first_sightings_figure(log: RobotLog, class_names, count: int) -> Figure:
+    """The first sightings as the robot has them: what, how far ahead, and how far to the left.
+
+    Args:
+        log: what the robot measured.
+        class_names: a name for every class index.
+        count: how many sightings.
+    """
+    figure, ax = new_figure(size=(8.0, 4.4))
+    seen = np.unique(log.obs_class[:count])
+    for c in seen:
+        color, marker = class_style(c)
+        own = log.obs_xy[:count][log.obs_class[:count] == c]
+        ax.plot(own[:, 1], own[:, 0], marker, linestyle="none", color=color, markersize=6, alpha=0.8)
+    ax.plot(0, 0, marker="^", markersize=15, color=ESTIMATE_COLOR, markerfacecolor="white")
+    ax.annotate("the robot, looking up", (0, 0), (14, 0), textcoords="offset points", va="center")
+    ax.invert_xaxis()  # left is to the left
+    ax.set_aspect("equal", adjustable="datalim")
+    legend_beside(ax, class_handles(seen, class_names))
+    title = f"the first {count} sightings: a class and a place, no name"
+    return label_axes(ax, "to the left (m)", "ahead (m)", title).figure
+
+
+def rooms_figure(counts: list[int]) -> Figure:
+    """The number of objects found in each of many rooms, a dot for each."""
+    labels, line = ("a dot for each room", "objects found (number)"), (15, "true number: 15")
+    return dots_figure({f"{len(counts)} rooms": counts}, labels, "never too few, sometimes too many", line)
+
+
+def cliff_figure(found: dict[str, int]) -> Figure:
+    """The number of objects found, by alpha."""
+    labels = ("alpha (no unit)", "objects found (number, log scale)")
+    return bars_figure(found, labels, "at 1.0 nothing joins any more", log=True)

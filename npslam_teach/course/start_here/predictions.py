@@ -13,6 +13,13 @@ predict = questions(
             "nearly all that can be joined along the wheels' path; the rest needs the path to move "
             "first."
         ),
+        alts=[
+            "",
+            (
+                "Animated map: clouds of sightings around each object shrink, round by round, to 15 single "
+                "objects while the estimated path moves onto the true path."
+            ),
+        ],
     ),
     carried=choice(
         "Where in the room is what is 3 m ahead and 1 m to the left?",
@@ -22,6 +29,9 @@ predict = questions(
             "To add without turning, which gives (4, 3), or to turn the wrong way round, which gives "
             "(2, 5). Looking along y, ahead is y, and left is minus x."
         ),
+        alts=[
+            "A robot that looks up: three metres up, then one to the left, end at the sighting.",
+        ],
     ),
     drift=choice(
         "How far off are the poses, on average over 700 steps?",
@@ -42,6 +52,9 @@ predict = questions(
     twenty_rooms=number(
         "In how many of twenty rooms will it find exactly 15?",
         mistake="To say twenty after one success. One good room proves nothing.",
+        alts=[
+            "A dot for each of twenty rooms: most on the line of 15, the others above it.",
+        ],
     ),
     cliff=choice(
         "What happens at α = 1.0?",
@@ -51,5 +64,8 @@ predict = questions(
             "To expect a little more of the result for a little more of the setting. There is a "
             "cliff, and 0.9 stands near its edge."
         ),
+        alts=[
+            "Three bars: 15 objects for alpha 0.5 and for 0.9, 1185 for 1.0.",
+        ],
     ),
 )

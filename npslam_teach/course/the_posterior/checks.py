@@ -7,11 +7,14 @@ from functools import partial
 import numpy as np
 
 from npslam_teach.association.dirichlet_process import log_partition_prior
+from npslam_teach.course import drawings
 from npslam_teach.course.checking import Verdict
 from npslam_teach.course.the_posterior.check_inputs import eliminate_inputs, merge_acceptance_inputs
 from npslam_teach.course.trials import Part, check_function, fresh
+from npslam_teach.course.verdict_page import exercise
 
 
+@exercise("11", 1, of=5)
 def check_crp_probability(crp_probability: Callable) -> Verdict:
     """Exercise 1: ``crp_probability(counts, alpha)``, a number."""
 
@@ -46,9 +49,12 @@ def check_crp_probability(crp_probability: Callable) -> Verdict:
         "with nobody": [(np.empty(0, dtype=int), 0.6)],
     }
     praise = "nothing in it asks who came first or sat where"
-    return check_function(crp_probability, truth, Part("your number", mistakes), trials, edges, praise)
+    return check_function(
+        crp_probability, truth, Part("your number", mistakes), trials, edges, praise, drawings.crp_probability()
+    )
 
 
+@exercise("11", 2, of=5)
 def check_move_probabilities(move_probabilities: Callable) -> Verdict:
     """Exercise 2: ``move_probabilities(log_p, labels, k)``, (K+1,), the last for a new object."""
 
@@ -84,6 +90,7 @@ def check_move_probabilities(move_probabilities: Callable) -> Verdict:
     return check_function(move_probabilities, truth, Part("your vector", mistakes), trials, edges, praise)
 
 
+@exercise("11", 3, of=5)
 def check_eliminate(eliminate: Callable) -> Verdict:
     """Exercise 3: ``eliminate(H, b, num_poses)``: information (m, m) and gradient (m,) of the landmarks alone."""
 
@@ -119,6 +126,7 @@ def check_eliminate(eliminate: Callable) -> Verdict:
     return check_function(eliminate, truth, parts, *eliminate_inputs(), praise)
 
 
+@exercise("11", 4, of=5)
 def check_summarise(summarise: Callable) -> Verdict:
     """Exercise 4: ``summarise(partitions, number)``: a probability, and (N, N) how often two are one object."""
 
@@ -163,6 +171,7 @@ def check_summarise(summarise: Callable) -> Verdict:
     return check_function(summarise, truth, parts, trials, edges, praise)
 
 
+@exercise("11", 5, of=5)
 def check_merge_acceptance(merge_acceptance: Callable) -> Verdict:
     """Exercise 5: ``merge_acceptance(log_apart, log_merged, log_weights, sits)``, a probability."""
 

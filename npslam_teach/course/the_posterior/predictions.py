@@ -4,6 +4,7 @@ from npslam_teach.course.predict import choice, questions
 
 predict = questions(
     "11",
+    exercises=5,
     worlds=choice(
         "In which world does a single object get most?",
         ["α = 0.5", "α = 5", "they are alike"],

@@ -5,10 +5,13 @@ from functools import partial
 
 import numpy as np
 
+from npslam_teach.course import drawings
 from npslam_teach.course.checking import Verdict
 from npslam_teach.course.trials import Part, check_function, fresh
+from npslam_teach.course.verdict_page import exercise
 
 
+@exercise("10", 1, of=4)
 def check_wilson(wilson: Callable) -> Verdict:
     """Exercise 1: ``wilson(successes, trials, z)``, the low and the high end, (2,)."""
 
@@ -43,7 +46,9 @@ def check_wilson(wilson: Callable) -> Verdict:
         "with a hundred thousand trials": [(70000, 100000, 1.96)],
     }
     praise = "the interval stays within 0 and 1, and has a width at 0 and at n"
-    return check_function(wilson, truth, Part("your interval", mistakes, _ends), trials, edges, praise)
+    return check_function(
+        wilson, truth, Part("your interval", mistakes, _ends), trials, edges, praise, drawings.wilson()
+    )
 
 
 def _ends(answer: np.ndarray, truth, tolerance: float) -> bool:
@@ -51,6 +56,7 @@ def _ends(answer: np.ndarray, truth, tolerance: float) -> bool:
     return answer.shape == np.shape(truth) and np.allclose(answer, truth, rtol=tolerance, atol=1e-3 * tolerance)
 
 
+@exercise("10", 2, of=4)
 def check_reach(reach: Callable) -> Verdict:
     """Exercise 2: ``reach(votes, alpha, kernel_std)``, m."""
 
@@ -86,6 +92,7 @@ def check_reach(reach: Callable) -> Verdict:
     return check_function(reach, truth, Part("your distance", mistakes), trials, edges, praise)
 
 
+@exercise("10", 3, of=4)
 def check_scaled_kernel(scaled_kernel: Callable) -> Verdict:
     """Exercise 3: ``scaled_kernel(observation_std, paper_observation_std, paper_kernel_std)``, m."""
 
@@ -114,6 +121,7 @@ def check_scaled_kernel(scaled_kernel: Callable) -> Verdict:
     return check_function(scaled_kernel, truth, Part("your kernel", mistakes), trials, edges, praise)
 
 
+@exercise("10", 4, of=4)
 def check_pass_distance(pass_distance: Callable) -> Verdict:
     """Exercise 4: ``pass_distance(xy, cov, i, j)``, a Mahalanobis distance."""
 

@@ -4,6 +4,7 @@ from npslam_teach.course.predict import choice, questions
 
 predict = questions(
     "10",
+    exercises=4,
     three_rooms=choice(
         "Right at the paper's noise, and at twice that?",
         ["three and three", "three and one", "two and none", "one and one"],

@@ -7,11 +7,14 @@ from functools import cache, partial
 
 import numpy as np
 
+from npslam_teach.course import drawings
 from npslam_teach.course.checking import Verdict, answer_of, wrong
 from npslam_teach.course.comparing import exactly, grouped_alike
 from npslam_teach.course.trials import Part, check_function, fresh
+from npslam_teach.course.verdict_page import exercise
 
 
+@exercise("01", 1, of=4)
 def check_argmax(argmax_and_doubt: Callable) -> Verdict:
     """Exercise 1: ``argmax_and_doubt(posteriors)`` returns the classes (M,) and the discarded probabilities (M,)."""
 
@@ -46,6 +49,7 @@ def check_argmax(argmax_and_doubt: Callable) -> Verdict:
     return check_function(argmax_and_doubt, truth, parts, trials, edges, praise)
 
 
+@exercise("01", 2, of=4)
 def check_front_end(my_front_end: Callable) -> Verdict:
     """Exercise 2: ``my_front_end(obs_xy_world, obs_class, reach)`` returns a label for each observation, (M,)."""
 
@@ -79,7 +83,7 @@ def check_front_end(my_front_end: Callable) -> Verdict:
     }
     part = Part("your labels", mistakes, grouped_alike, hint=_counted)
     praise = "this is a front end: it decides once, and never looks back"
-    return check_function(my_front_end, truth, part, trials, edges, praise)
+    return check_function(my_front_end, truth, part, trials, edges, praise, drawings.front_end())
 
 
 def _counted(answers: list, expected: list) -> str:
@@ -113,6 +117,7 @@ def _nearest_index(xy, obs_class, reach) -> list:
     return labels
 
 
+@exercise("01", 3, of=4)
 def check_bell(bell: Callable) -> Verdict:
     """Exercise 3: ``bell(n)``, the number of ways to group n observations."""
 
@@ -170,6 +175,7 @@ def bell_numbers(highest: int) -> list[int]:
     return numbers
 
 
+@exercise("01", 4, of=4)
 def check_alarm(alarm: Callable) -> Verdict:
     """Exercise 4: ``alarm(chi2, num_observations, num_objects)``, True when chi2 is too large to be chance."""
 

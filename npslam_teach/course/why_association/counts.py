@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from npslam_teach.course.small_pictures import bars_figure, curves_figure
 from npslam_teach.plotting.style import (
     CLASS_COLORS,
     ESTIMATE_COLOR,
@@ -61,3 +62,28 @@ def rooms_figure(divided: list[int], in_turns: list[int], num_objects_true: int 
     label_axes(ax, "room (seed)", "objects found (number)")
     ax.set_title(title, fontsize=TEXT_SIZE["title"])
     return figure
+
+
+def thresholds_figure(found: dict[str, int]) -> Figure:
+    """The number of objects that the front end finds, by its threshold."""
+    labels, line = ("threshold (likeness, no unit)", "objects found (number)"), (15, "true number: 15")
+    return bars_figure(found, labels, "too many at each threshold", line)
+
+
+def scores_figure(scores: dict[str, float]) -> Figure:
+    """How far chi2 is from what is expected, by the threshold of the front end."""
+    labels = ("threshold (likeness, no unit)", "chi2 off by (standard deviations)")
+    return bars_figure(scores, labels, "only at the highest threshold chi2 shows it", (-3, "three too low: an alarm"))
+
+
+def partitions_figure(ways: list[int]) -> Figure:
+    """How many ways there are to group one, two, three, ... sightings."""
+    labels = ("sightings (number)", "ways to group them (log scale)")
+    title = "steeper than a straight line: faster than any exponential"
+    return curves_figure(range(1, len(ways) + 1), {"ways": np.array(ways)}, labels, title, log=True)
+
+
+def alarms_figure(ratios: dict[str, float]) -> Figure:
+    """Chi2 per degree of freedom, by who named the sightings."""
+    labels, line = ("who names the sightings", "chi2 per degree of freedom"), (1, "expected: 1")
+    return bars_figure(ratios, labels, "both wrong answers give themselves away", line)

@@ -4,6 +4,7 @@ from npslam_teach.course.predict import choice, number, questions
 
 predict = questions(
     "01",
+    exercises=4,
     history=choice(
         "When did a robot first find its way between chairs with a camera?",
         ["in the 1970s", "in the 1990s", "in the 2010s"],
@@ -42,6 +43,9 @@ predict = questions(
             "To tune the threshold until it is right. One chair seen before and after the drift "
             "stands in two places, and no threshold on distance knows why."
         ),
+        alts=[
+            "Three bars, all above the line of 15: the more, the higher the threshold.",
+        ],
     ),
     in_turns=choice(
         "Will asking again mend what the front end broke?",
@@ -51,6 +55,7 @@ predict = questions(
             "To think that the second question gets the same answer as the first. The path has moved "
             "in between, and with it every distance."
         ),
+        alts=["", "Two maps. Named once: 24 objects, several of them doubled. In turns: 15, each on its own."],
     ),
     rooms=number(
         "In how many of twenty rooms does taking turns find exactly 15?",
@@ -62,6 +67,9 @@ predict = questions(
         ["28", "256", "more than 4000"],
         right=2,
         mistake=("To count pairs, 28, or subsets, 256. Groupings are partitions, and there are far more of them."),
+        alts=[
+            "Ways to group one to eight sightings, on a log scale: from 1 to 4140, ever steeper.",
+        ],
     ),
     wrong_name=choice(
         "Obj_5 given to chair A: how far is the path bent? And as an object of its own?",
@@ -88,6 +96,9 @@ predict = questions(
             "To believe that taking turns mends everything. It starts from the same wheels, and here "
             "it merges even more."
         ),
+        alts=[
+            "Three bars: near 1 with the true names, far above with both wrong answers.",
+        ],
     ),
     weights=choice(
         "With weights 0.3 and 0.7, where does the doubtful sighting pull?",

@@ -10,6 +10,7 @@ import io
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from decimal import Decimal
 from numbers import Real
 
 import numpy as np
@@ -89,13 +90,13 @@ def require(check: Callable, answer) -> None:
 def as_array(name: str, answer, shape: tuple) -> tuple[np.ndarray | None, Verdict | None]:
     """The answer as a new array of float64 of the expected shape; or None and a verdict that names the difference.
 
-    Real numbers of every type are taken: lists, float32, fractions, integers of any size. Text and complex numbers are
-    not, even where NumPy would convert them.
+    Real numbers of every type are taken: lists, float32, fractions, decimals, integers of any size. Text and complex
+    numbers are not, even where NumPy would convert them.
     """
     no_numbers = wrong(f"{name} should be real numbers, yours is {type(answer).__name__}")
     try:
         array = np.asarray(answer)
-        if array.dtype.kind not in "biufO" or not all(isinstance(each, Real) for each in _objects(array)):
+        if array.dtype.kind not in "biufO" or not all(isinstance(each, Real | Decimal) for each in _objects(array)):
             kind = f" of {array.dtype.name}" if array.ndim and array.dtype.kind in "cSU" else ""
             return None, wrong(f"{no_numbers.message}{kind}")
         array = np.array(array, dtype=float)

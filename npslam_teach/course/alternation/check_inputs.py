@@ -17,6 +17,9 @@ def one_alternation_inputs() -> tuple[list, dict]:
     pair = np.array([[1.0, 0.0], [1.0 + math.sqrt(-math.log(0.35) / 4), 0.0]])
     three = np.array([[1.0, 0.0], [1.6, 0.0], [1.3, 0.5]])  # too far from each other, near enough to their middle
     edges = {
+        "with an object that is not at the mean of its sightings, within reach of another's": [
+            _frame(np.array([[1.0, 0.0], [1.6, 0.0]]), np.arange(2), 0.5, np.array([[1.3, 0.0], [1.6, 0.0]]))
+        ],
         "with two sightings whose weight, 0.35, lies between two values of alpha": [
             _frame(pair, np.arange(2), alpha) for alpha in (0.25, 0.45)
         ],
@@ -43,6 +46,7 @@ def _rounds() -> list[tuple]:
         1
     ]
     places = np.array([seen_at[grouped == i].mean(axis=0) for i in range(grouped.max() + 1)])
+    places += rng.normal(0, 0.1, places.shape)  # after a solve no object is at the mean of its sightings
     tied = with_associations(shaken, later, grouped, places, std)
     return [
         (shaken, graph, labels, alpha, std)
@@ -50,11 +54,15 @@ def _rounds() -> list[tuple]:
     ]
 
 
-def _frame(xy: np.ndarray, labels: np.ndarray, alpha: float) -> tuple:
-    """Arguments of a round for sightings (M, 2) of one class, all in the first frame, with labels that they have."""
+def _frame(xy: np.ndarray, labels: np.ndarray, alpha: float, places: np.ndarray | None = None) -> tuple:
+    """Arguments of a round for sightings (M, 2) of one class, all in the first frame, with labels that they have.
+
+    The objects are at places (K, 2), by default the means of their sightings.
+    """
     none = np.zeros(len(xy), dtype=int)
     log = RobotLog(np.array([[0.5, 0.0, 0.1]]), none, xy, none, 1, np.full(3, 0.1), np.full(2, 0.1))
     first = initial_snapshot(log, PAPER_ODOMETRY_STD, (0.2, 0.3), alpha)
-    places = np.array([xy[labels == i].mean(axis=0) for i in range(labels.max() + 1)])
+    if places is None:
+        places = np.array([xy[labels == i].mean(axis=0) for i in range(labels.max() + 1)])
     graph = with_associations(log, first.graph, labels, places, (0.2, 0.3))
     return log, graph, labels, alpha, (0.2, 0.3)

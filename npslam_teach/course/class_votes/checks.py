@@ -213,6 +213,10 @@ def check_true_class(function: Callable) -> Verdict:
             (np.array([3000.0, 1500.0]), pair),
             (np.array([count, round(count * balance)], dtype=float), pair),
         ],
+        "with thousands of votes for one class alone: it is the largest logarithm that must become 0": [
+            (np.array([4000.0, 0.0]), pair),
+            (np.array([0.0, float(count), 0.0]), _confusion(rng, 3)),
+        ],
     }
     hint = "they must add up to 1, and the product runs over the reports"
     part = Part("the posterior", mistakes, hint=hint)

@@ -94,6 +94,7 @@ def check_dead_reckoning(dead_reckoning: Callable) -> Verdict:
     trials = [(_poses(5 + n), _poses(1)[0]) for n in range(8)]
     edges = {
         "with a single step": [(_poses(1), _poses(1)[0])],
+        "with a start of integers": [(_poses(3), np.array([1, -2, 1]))],
         "without a step, when the path is the start alone": [(np.empty((0, 3)), _poses(1)[0])],
     }
     praise = "every pose is built on the one before it"

@@ -166,6 +166,10 @@ def _adjusted_rand_inputs() -> tuple[list, dict]:
         "with labels of -1, a group like any other here": [(trials[0][0], left_out), (left_out, trials[0][0])],
         "with the same groups under other names": [(rows, 7 - rows)],
         "with large numbers for names": [(rows * 1000, np.arange(12) % 4 * 10**6)],
+        "with everything in one group, twice, which agree: 1": [(np.zeros(6, dtype=int), np.ones(6, dtype=int))],
+        "with no two sightings together, twice, which agree: 1": [(np.arange(6), np.arange(6)[::-1].copy())],
+        "with a single sighting, about which nothing can differ: 1": [(np.array([2]), np.array([0]))],
+        "with one group against several, which is what chance would give: 0": [(rows, np.zeros(12, dtype=int))],
         "with hundreds of sightings": [(rng.integers(0, 5, 600), rng.integers(0, 5, 600))],
     }
     return trials, edges

@@ -23,6 +23,7 @@ def match_frame_inputs() -> tuple[list, dict]:
     """Arguments of ``check_match_frame``: its trials, and its edges by the situation."""
     rng, trials = fresh(), [(np.array([[1.0, 2.0], [1.5, 8.0]]), 9.0)]
     trials += [(np.array([[0.0, 9.1], [0.1, 30.0]]), 9.0), (np.array([[4.0]]), 3.0)]
+    trials += [(np.array([[0.0, 8.0], [8.0, 30.0]]), 9.0)]  # one good pair is better than two bad ones
     while len(trials) < 60:
         trials.append((rng.uniform(0, 14, rng.integers(1, 4, 2)), float(rng.choice([4.0, 9.0, rng.uniform(2, 12)]))))
     edges = {
@@ -30,6 +31,9 @@ def match_frame_inputs() -> tuple[list, dict]:
         "with no sighting": [(np.empty((0, 3)), 9.0)],
         "with objects of other classes, which are infinitely far away": [
             (np.where(rng.random(d.shape) < 0.4, np.inf, d), gate) for d, gate in trials[3:18]
+        ],
+        "with two pairs that are all but beyond the gate, or a perfect one": [
+            (np.array([[0.0, 8.0], [8.0, np.inf]]), 9.0)
         ],
         "with infinite distances alone": [(np.full((2, 2), np.inf), 9.0)],
     }

@@ -96,6 +96,9 @@ def check_match_frame(match_frame: Callable) -> Verdict:
         "the gate is asked too late: a bad pair that is thrown away afterwards has already pushed others aside": (
             lambda d, gate: _thrown_away(d, gate)
         ),
+        "as many are matched as can be, and the gate only forbids: leaving one out costs the gate and may be cheaper": (
+            lambda d, gate: _thrown_away(np.where(d < gate, d, 1e6), gate)
+        ),
         "the total is made as large as can be, not as small": lambda d, gate: _best(-np.minimum(d, 1e6), np.inf),
     }
     praise = "no two sightings share an object, and nothing beyond the gate is matched"

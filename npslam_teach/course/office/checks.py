@@ -73,6 +73,7 @@ def check_foreground_centre(foreground_centre: Callable) -> Verdict:
     }
     trials = [(points,) for _ in range(4) for points in (_box_before_a_wall(), _slope())]
     edges = {
+        "with points 2 mm within 0.3 m and 2 mm beyond it": [(_at_the_reach(),)],
         "with a single point": [(np.array([[0.4, 0.1, 2.0]]),)],
         "with all points at one depth": [(np.array([[0.4, 0.1, 2.0], [0.8, 0.0, 2.0], [-0.3, 0.2, 2.0]]),)],
     }
@@ -93,6 +94,13 @@ def _box_before_a_wall() -> np.ndarray:
     front = rng.normal([rng.uniform(-1, 1), 0.3, 2.0], [0.1, 0.2, 0.04], (58, 3))
     wall, stray = rng.normal([0.6, 0.0, 3.5], 0.1, (40, 3)), rng.normal([0.0, 0.0, 0.8], 0.02, (3, 3))
     return rng.permutation(np.concatenate([front, wall, stray]))
+
+
+def _at_the_reach() -> np.ndarray:
+    """Points (11, 3) whose 0.4-quantile of depth is 2 m by any definition, others at 0.3 m from it, nearly."""
+    rng = fresh()
+    depth = np.array([1.5, 1.698, 1.698, 1.702, 2.0, 2.1, 2.298, 2.298, 2.302, 2.302, 2.9])
+    return rng.permutation(np.column_stack([rng.uniform(-1, 1, 11), rng.normal(0, 0.2, 11), depth]))
 
 
 def _slope() -> np.ndarray:

@@ -86,24 +86,25 @@ def _total(weights: np.ndarray) -> float:
 def check_true_class(true_class: Callable) -> Verdict:
     """Exercise 2: ``true_class(reports, confusion)``, the posterior (C,) of an object's class."""
 
-    def variant(reports, confusion, transposed=False, power=1, mean=False, normal=True):
-        table = confusion.T if transposed else confusion
-        rows = table.T[reports]
-        product = rows.mean(axis=0) if mean else (rows**power).prod(axis=0)
-        return product / product.sum() if normal else product
+    def truth(reports, confusion):
+        logs = np.log(confusion)[:, reports].sum(axis=1)
+        return np.exp(logs - logs.max()) / np.exp(logs - logs.max()).sum()
+
+    def mean(reports, confusion):
+        return confusion[:, reports].mean(axis=1) / confusion[:, reports].mean(axis=1).sum()
 
     mistakes = {
-        "rows and columns of the confusion matrix are exchanged: row c is of the true class c": partial(
-            variant, transposed=True
+        "rows and columns of the confusion matrix are exchanged: row c is of the true class c": lambda r, c: truth(
+            r, c.T
         ),
-        "independent reports multiply, they do not average": partial(variant, mean=True),
-        "divide by the sum, so that the probabilities sum to one": partial(variant, normal=False),
+        "independent reports multiply, they do not average": mean,
+        "divide by the sum, so that the probabilities sum to one": lambda r, c: c[:, r].prod(axis=1),
         "these are shares of votes: what a report says of other classes is left out": lambda r, c: (
             np.bincount(r, minlength=len(c)) / max(len(r), 1)
         ),
-        "only the last report counts here": lambda r, c: variant(r[-1:], c),
-        "only the first report counts here": lambda r, c: variant(r[:1], c),
-        "every kind of report counts once here, however often it came": lambda r, c: variant(np.unique(r), c),
+        "only the last report counts here": lambda r, c: truth(r[-1:], c),
+        "only the first report counts here": lambda r, c: truth(r[:1], c),
+        "every kind of report counts once here, however often it came": lambda r, c: truth(np.unique(r), c),
     }
     rng, trials = fresh(), []
     for size, count in ((2, 1), (2, 5), (3, 4), (4, 7), (5, 9), (5, 12)):
@@ -112,11 +113,16 @@ def check_true_class(true_class: Callable) -> Verdict:
     trials.append((np.array([0, 0, 1]), np.array([[0.9, 0.1], [0.4, 0.6]])))
     praise = "every report speaks for all classes, for each as much as it is likely to be its report"
     edges = {
+        "with no report, when all classes are alike": [(np.empty(0, dtype=int), trials[2][1])],
+        "with hundreds of reports or more, whose product is too small for a number: add logarithms": [
+            (np.full(500, int(rng.integers(5))), 0.5 * np.eye(5) + 0.1),
+            (rng.integers(0, 2, 3000), np.array([[0.6, 0.4], [0.4, 0.6]])),
+        ],
         "with one report": [(np.array([1]), np.array([[0.9, 0.1], [0.4, 0.6]]))],
         "with reports that are certain": [(np.array([2, 2]), np.eye(3))],
         "with a single class": [(np.array([0, 0]), np.ones((1, 1)))],
     }
-    return check_function(true_class, variant, Part("your posterior", mistakes), trials, edges, praise)
+    return check_function(true_class, truth, Part("your posterior", mistakes), trials, edges, praise)
 
 
 @exercise("13", 3, of=4)

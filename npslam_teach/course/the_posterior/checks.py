@@ -46,6 +46,7 @@ def check_crp_probability(crp_probability: Callable) -> Verdict:
     edges = {
         "with one guest, who is certain to open a table": [(np.array([1]), 0.7)],
         "with tables of twenty and more, whose factors are too large for 64 bits": [(np.array([24, 31]), 0.6)],
+        "with a table of 180, whose factors are too large for a floating-point number": [(np.array([180, 1]), 0.6)],
         "with nobody": [(np.empty(0, dtype=int), 0.6)],
     }
     praise = "nothing in it asks who came first or sat where"
@@ -61,7 +62,7 @@ def check_move_probabilities(move_probabilities: Callable) -> Verdict:
     def logs(log_p, labels, k, taken_out=True):
         others = np.unique(np.delete(labels, k) if taken_out else labels, return_inverse=True)[1]
         rest = others if taken_out else np.delete(others, k)
-        places = range(others.max() + 2)
+        places = range(others.max(initial=-1) + 2)
         return np.array([log_p(np.unique(np.insert(rest, k, i), return_inverse=True)[1]) for i in places])
 
     def truth(log_p, labels, k):
@@ -84,6 +85,13 @@ def check_move_probabilities(move_probabilities: Callable) -> Verdict:
     trials = [(_some_log_p(rng), np.array(labels), k) for labels in labelings for k in (0, 3)]
     edges = {
         "for the last sighting": [(_some_log_p(rng), np.array([0, 1, 0, 2, 3]), 4)],
+        "with log probabilities thousands apart: it is the largest that must become 0": [
+            (_some_log_p(rng, 4000.0), np.array(labels), 2) for labels in labelings
+        ],
+        "with partitions that are impossible, whose log probability is minus infinity": [
+            (_with_impossible(_some_log_p(rng)), np.array(labels), k) for labels in labelings for k in (1, 4)
+        ],
+        "with a single sighting, which has no object to join": [(_some_log_p(rng), np.array([0]), 0)],
         "with two sightings": [(_some_log_p(rng), np.array([0, 0]), 1), (_some_log_p(rng), np.array([0, 1]), 0)],
     }
     praise = "every place is weighed by the whole posterior, and no distance was compared with a threshold"
@@ -212,9 +220,9 @@ def check_merge_acceptance(merge_acceptance: Callable) -> Verdict:
     return check_function(merge_acceptance, truth, Part("your number", mistakes), *merge_acceptance_inputs(), praise)
 
 
-def _some_log_p(rng: np.random.Generator) -> Callable:
+def _some_log_p(rng: np.random.Generator, spread: float = 1.0) -> Callable:
     """A log posterior of labels (N,), far from zero, as real ones are, and any two partitions apart."""
-    tie, cost = rng.normal(0, 1, (9, 9)), rng.uniform(0.5, 2)
+    tie, cost = rng.normal(0, spread, (9, 9)), rng.uniform(0.5, 2)
 
     def log_p(labels) -> float:
         labels = np.asarray(labels)
@@ -224,6 +232,11 @@ def _some_log_p(rng: np.random.Generator) -> Callable:
         return float(-900.0 - cost * (labels.max() + 1) + tie[: len(labels), : len(labels)][same].sum())
 
     return log_p
+
+
+def _with_impossible(log_p: Callable) -> Callable:
+    """The same log posterior, where sightings 1 and 4 cannot be one object: they are of one frame."""
+    return lambda labels: -math.inf if labels[1] == labels[4] else log_p(labels)
 
 
 def _softmax(log_weights: np.ndarray) -> np.ndarray:

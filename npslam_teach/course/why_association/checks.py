@@ -4,12 +4,13 @@ import math
 import time
 from collections.abc import Callable
 from functools import cache, partial
+from numbers import Rational
 
 import numpy as np
 
 from npslam_teach.course import drawings
-from npslam_teach.course.checking import Verdict, answer_of, wrong
-from npslam_teach.course.comparing import exactly, grouped_alike
+from npslam_teach.course.checking import Verdict, answer_of, as_array, wrong
+from npslam_teach.course.comparing import SINGLE, exactly, grouped_alike
 from npslam_teach.course.trials import Part, check_function, fresh
 from npslam_teach.course.verdict_page import exercise
 
@@ -79,6 +80,9 @@ def check_front_end(my_front_end: Callable) -> Verdict:
         "with two objects within reach, of which one is nearer": [
             (np.array([[0.0, 0.0], [0.8, 0.0], [x, 0.0]]), np.zeros(3, dtype=int), 0.5) for x in (0.45, 0.35)
         ],
+        "with a sighting at the reach exactly, which is not nearer": [
+            (np.array([[0.0, 0.0], [0.5, 0.0]]), np.zeros(2, dtype=int), 0.5)
+        ],
         "with two classes at one place": [(np.zeros((4, 2)), np.array([0, 1, 1, 0]), 0.5)],
     }
     part = Part("your labels", mistakes, grouped_alike, hint=_counted)
@@ -136,7 +140,8 @@ def check_bell(bell: Callable) -> Verdict:
     trials = [(int(n),) for n in fresh().permutation(np.arange(1, 12))]
     praise = f"for the deck's 1098 sightings the count has {_digits(1098)} digits, and nobody can try them all"
     part = Part("your count", mistakes, hint="that many sightings can be grouped in another number of ways: draw them")
-    verdict = check_function(bell, truth, part, trials, {}, praise)
+    edges = {"with no sighting at all, for which there is one way, that without a group": [(0,)]}
+    verdict = check_function(bell, truth, part, trials, edges, praise)
     return (_large_counts(bell) if verdict.passed else None) or verdict
 
 
@@ -148,14 +153,29 @@ def _large_counts(bell: Callable) -> Verdict | None:
         answer, verdict = answer_of(bell, n)
         if verdict is not None:
             return verdict
-        if isinstance(answer, np.integer) and int(answer) == (numbers[n] + 2**63) % 2**64 - 2**63 != numbers[n]:
-            return wrong(f"bell({n}) is {numbers[n]}, more than NumPy's 64 bits hold: count with Python's own integers")
-        exact = not isinstance(answer, float | np.floating)
-        if int(answer) != numbers[n] if exact else not math.isclose(answer, numbers[n], rel_tol=1e-9):
-            return wrong(f"bell({n}) should be {numbers[n]} and is {answer}")
+        value, verdict = as_array(f"bell({n})", answer, ())
+        if verdict is not None:
+            return verdict
+        if not _same_count(answer, value, numbers[n]):
+            return wrong(_count_difference(n, answer, numbers[n]))
         if time.thread_time() - begun > 0.02:
             return None
     return None
+
+
+def _same_count(answer, value: np.ndarray, number: int) -> bool:
+    """Whether a count is right: whole numbers and fractions to the last digit, others to their precision."""
+    plain = answer.item() if isinstance(answer, np.ndarray) else answer
+    if isinstance(plain, Rational):
+        return plain == number
+    single = np.asarray(answer).dtype in (np.float32, np.float16)
+    return math.isclose(float(value), number, rel_tol=SINGLE if single else 1e-9)
+
+
+def _count_difference(n: int, answer, number: int) -> str:
+    if np.asarray(answer).dtype.kind in "iu" and (int(answer) - number) % 2**64 == 0:
+        return f"bell({n}) is {number}, more than NumPy's 64 bits hold: count with Python's own integers"
+    return f"bell({n}) should be {number} and is {answer}"
 
 
 @cache
@@ -202,6 +222,9 @@ def check_alarm(alarm: Callable) -> Verdict:
             (0.0, 1, 1),
         ],
         "with chi2 of 20 at 8 degrees of freedom, three standard deviations above exactly and not more": [(20.0, 8, 4)],
+        "with chi2 just below and just above its bound, 16.39 at 6 degrees of freedom": [
+            (chi2, 8, 5) for chi2 in (16.05, 16.35, 16.39, 16.4, 16.45, 16.95)
+        ],
     }
     hint = "it rings at another chi2 than dof + 3 sqrt(2 dof): check the degrees of freedom first"
     praise = "it rings for a wrong merger, and stays silent for a wrong split: chi2 cannot count"

@@ -38,6 +38,17 @@ def bell(n):
     return ways[n]
 """
 
+DECIMALS_3 = """
+from decimal import Decimal
+
+
+def bell(n):
+    ways = [Decimal(1)]
+    for m in range(n):
+        ways.append(sum(math.comb(m, k) * ways[k] for k in range(m + 1)))
+    return ways[n]
+"""
+
 WRONG = {
     1: {
         "what is kept": "lambda p: (p.argmax(axis=1), p.max(axis=1))",
@@ -56,6 +67,7 @@ WRONG = {
         "all one": "lambda xy, c, reach: np.zeros(len(xy), dtype=int)",
         "classes are objects": "lambda xy, c, reach: c",
         "without class": ("obs_class[:k] == obs_class[k]", "obs_class[:k] >= 0"),
+        "up to the reach": ("< reach", "<= reach"),
         "half the reach": ("< reach", "< reach / 2"),
         "fixed reach": ("< reach", "< 0.5"),
         "furthest": ("np.argmin(distance)", "np.argmax(np.where(distance < reach, distance, -1))"),
@@ -80,6 +92,14 @@ WRONG = {
             "return np.array([w % 2**64 for w in ways], dtype=np.uint64).astype(np.int64)[n]",
         ),
         "text": ("return ways[n]", "return str(ways[n])"),
+        "stops without a sighting": ("ways = [1]", "ways = [1][: n or None] if n else []"),
+        "last digit off above 12": ("return ways[n]", "return ways[n] + (n > 12)"),
+        "list above 12": ("return ways[n]", "return ways[n] if n < 12 else [1]"),
+        "dictionary above 12": ("return ways[n]", "return ways[n] if n < 12 else {}"),
+        "object above 12": ("return ways[n]", "return ways[n] if n < 12 else object()"),
+        "complex above 12": ("return ways[n]", "return ways[n] if n < 12 else 1j"),
+        "two numbers above 12": ("return ways[n]", "return ways[n] if n < 12 else np.array([5, 6])"),
+        "infinite above 12": ("return ways[n]", "return ways[n] if n < 12 else np.array(np.inf)"),
         "always 52": "lambda n: 52",
         "fixed up to 16": ("for m in range(n)", "for m in range(min(n, 16))"),
     },
@@ -91,6 +111,8 @@ WRONG = {
         "two deviations": ("3 *", "2 *"),
         "variance": ("math.sqrt(2 * dof)", "2 * dof"),
         "objects forgotten": ("- 2 * num_objects", ""),
+        "whole threshold": ("chi2 > dof + 3 * math.sqrt(2 * dof)", "chi2 > int(dof + 3 * math.sqrt(2 * dof))"),
+        "rounded up": ("chi2 > dof + 3 * math.sqrt(2 * dof)", "chi2 > math.ceil(dof + 3 * math.sqrt(2 * dof))"),
         "counts alone": ("2 * num_observations - 2 * num_objects", "num_observations - num_objects"),
         "not when exactly there": ("chi2 >", "chi2 >="),
         "rings at zero": ("return False", "return True"),
@@ -127,6 +149,9 @@ RIGHT = {
             ),
         ),
         "floats": FLOATS_3,
+        "decimals": DECIMALS_3,
+        "array of one float": ("return ways[n]", "return np.array(float(ways[n]))"),
+        "array of one integer of any size": ("return ways[n]", "return np.array(ways[n], dtype=object)"),
     },
     4: {
         "score": "lambda chi2, m, k: m > k and (chi2 - 2 * (m - k)) / math.sqrt(4 * (m - k)) > 3",

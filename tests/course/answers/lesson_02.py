@@ -94,6 +94,10 @@ WRONG = {
     },
     3: {
         "without the start": ("return np.array(path)", "return np.array(path[1:])"),
+        "integers of the start": (
+            "return np.array(path)",
+            "return np.array(path).astype(np.asarray(start).dtype)",
+        ),
         "without the end": ("return np.array(path)", "return np.array(path[:-1])"),
         "from the origin": ("np.array(start, dtype=float)", "np.zeros(3)"),
         "wrong order": ("se2.compose(path[-1], step)", "se2.compose(step, path[-1])"),

@@ -127,6 +127,15 @@ WRONG = {
     },
     5: {
         "fixed alpha": ("weights.max() > alpha", "weights.max() > 0.6"),
+        "reaches": ("weights.max() > alpha", "weights.max() >= alpha"),
+        "kernel of 4.2": ("-4 * distance**2", "-4.2 * distance**2"),
+        "kernel of 3.8": ("-4 * distance**2", "-3.8 * distance**2"),
+        "back into the emptied object": (
+            "labels[k] = np.argmax(weights) if weights.max() > alpha else len(places)",
+            "labels[k] = np.argmax(weights) if weights.max() > alpha else "
+            "(len(places) if sum(votes[labels[k]]) else labels[k])",
+        ),
+        "stops without a sighting": ("obs_class.max(initial=-1)", "obs_class.max()"),
         "own vote": (("votes[labels[k]][obs_class[k]] -= 1\n"), ("pass\n")),
         "first first": ("reversed(range(len(labels)))", "range(len(labels))"),
         "no class": ("np.array(votes)[:, obs_class[k]]", "np.array(votes).sum(axis=1)"),

@@ -149,6 +149,8 @@ WRONG = {
         "next report": ("return likelihood / likelihood.sum()", "return (likelihood / likelihood.sum()) @ confusion"),
         "once": ("@ votes", "@ (votes > 0)"),
         "underflow": ("np.exp(log_likelihood - log_likelihood.max())", "np.exp(log_likelihood)"),
+        "smallest taken off": ("log_likelihood.max()", "log_likelihood.min()"),
+        "mean taken off": ("log_likelihood.max()", "log_likelihood.mean()"),
         "product": "lambda v, c: (p := np.prod(c ** v, axis=1)) / p.sum()",
         "argmax": ("return likelihood / likelihood.sum()", "return np.argmax(likelihood)"),
         "even": "lambda v, c: np.full(len(v), 1 / len(v))",

@@ -49,6 +49,20 @@ def votes_of_others(k, x, c, n):
     return v
 """
 
+RESTARTED_3 = """
+from dataclasses import replace
+
+
+def one_alternation(log, g, x, a, s):
+    seen_at = se2.apply(g.poses[log.obs_time], log.obs_xy)
+    f = sweep(x, g.landmarks, seen_at, log.obs_class, a)
+    tied = with_associations(log, g, f.labels, f.landmarks, s)
+    means = f.landmarks.copy()
+    for i in set(f.labels.tolist()):
+        means[i] = seen_at[f.labels == i].mean(axis=0)
+    return f.labels, optimize(replace(tied, landmarks=means))
+"""
+
 OTHER_NAMES_3 = """
 from npslam_teach.pose_graph import chi2
 
@@ -78,6 +92,8 @@ WRONG = {
         "classes added": ("votes[:, 1:].ravel()", "votes[:, 1:].sum(axis=1)"),
         "turned round": ("return chi2 / 2 - len(votes)", "return crowds * 2 - chi2 / 2 + len(votes)"),
         "overflow": OVERFLOW_1,
+        "alpha at most 1": ("log(alpha / area)", "log(min(alpha, 1.0) / area)"),
+        "new object never pays": ("log(alpha / area)", "-abs(log(alpha / area))"),
     },
     2: {
         "no minlength": (", minlength=num_objects", ""),
@@ -103,6 +119,11 @@ WRONG = {
         "alpha of one": ((", alpha)\n"), (", 1.0)\n")),
         "fixed std": ("found.landmarks, observation_std", "found.landmarks, (0.35, 0.35)"),
         "labels ignored": ("sweep(labels, graph.landmarks", "sweep(np.arange(len(labels)), seen_at"),
+        "landmarks ignored": (
+            "    found = sweep(labels, graph.landmarks",
+            "    means = np.array([seen_at[labels == i].mean(axis=0) for i in range(max(labels) + 1)])\n"
+            "    found = sweep(labels, means",
+        ),
         "not carried": ("se2.apply(graph.poses[log.obs_time], log.obs_xy)", "log.obs_xy"),
         "labels alone": ("found.labels, optimize(graph)", "found.labels"),
         "swapped": ("found.labels, optimize(graph)", "optimize(graph), found.labels"),
@@ -139,6 +160,8 @@ RIGHT = {
     3: {
         "list": ("found.labels, optimize(graph)", "[list(found.labels), optimize(graph)]"),
         "other names": OTHER_NAMES_3,
+        "solved twice": ("found.labels, optimize(graph)", "found.labels, optimize(optimize(graph))"),
+        "restarted at the means": RESTARTED_3,
         "loop": (
             "se2.apply(graph.poses[log.obs_time], log.obs_xy)",
             "np.array([se2.apply(graph.poses[t], z) for t, z in zip(log.obs_time, log.obs_xy)])",

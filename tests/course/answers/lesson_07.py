@@ -85,6 +85,8 @@ def adjusted_rand(true_labels, labels):
         return sum(comb(m, 2) for m in sizes.values())
 
     a, b, n = count(0), count(1), sum(comb(m, 2) for m in table.values())
+    if a == b == n:
+        return 1
     e = a * b / comb(len(labels), 2)
     return (n - e) / ((a + b) / 2 - e)
 """
@@ -99,6 +101,8 @@ BOTH_ORDERS_3 = """
 def adjusted_rand(t, x):
     u, v, p = t[:, None] == t, x[:, None] == x, ~np.eye(len(t), dtype=bool)
     a, b, n = (u & p).sum(), (v & p).sum(), (u & v & p).sum()
+    if a + b == 2 * n:
+        return 1.0
     e = a * b / p.sum()
     return (n - e) / ((a + b) / 2 - e)
 """
@@ -151,6 +155,8 @@ WRONG = {
             "in_found = (labels[:, None] == labels) & pair & (labels >= 0)",
         ),
         "without -1": WITHOUT_1_3,
+        "zero over zero": ("if a == b == n:", "if False:"),
+        "zero for the same": ("return 1.0", "return 0.0"),
         "Rand": (
             "return (n - chance) / ((a + b) / 2 - chance)",
             "return ((in_true == in_found) & pair).sum() / pair.sum()",

@@ -92,6 +92,8 @@ WRONG = {
         "another quantile": ("0.4", "0.35"),
         "another reach": ("< 0.3", "< 0.25"),
         "wider": ("< 0.3", "< 0.35"),
+        "a little wider": ("< 0.3", "< 0.305"),
+        "a little narrower": ("< 0.3", "< 0.295"),
         "on one side": ("np.abs(depth - np.quantile(depth, 0.4))", "depth - np.quantile(depth, 0.4)"),
         "sign": ("-right", "right"),
         "order": ("[ahead, -right]", "[-right, ahead]"),

@@ -19,6 +19,15 @@ def match_frame(d, gate):
     return chosen
 """
 
+LARGE_NUMBER_3 = """
+def match_frame(d, gate):
+    chosen = np.full(len(d), -1)
+    dear = np.where(d < gate, d, 1e6)
+    for i, j in zip(*linear_sum_assignment(dear)):
+        chosen[i] = j if d[i, j] < gate else -1
+    return chosen
+"""
+
 GAUSSIAN_5 = """
 from scipy.stats import norm
 
@@ -105,6 +114,7 @@ WRONG = {
         "nearest": "lambda d, g: [int(np.argmin(r)) if len(r) and min(r) < g else -1 for r in d]",
         "greedy": GREEDY_3,
         "asked late": ASKED_LATE_3,
+        "a large number beyond the gate": LARGE_NUMBER_3,
         "no gate": ("np.full((num_sightings, num_sightings), gate)", "np.full((num_sightings, num_sightings), 1e9)"),
         "one column": ("np.full((num_sightings, num_sightings), gate)", "np.full((num_sightings, 1), gate)"),
         "largest": (

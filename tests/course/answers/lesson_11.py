@@ -10,6 +10,14 @@ crp_probability = lambda c, a: (
 )
 """
 
+FACTORIALS_1 = """
+from math import factorial, prod
+
+crp_probability = lambda c, a: (
+    a ** len(c) * prod(factorial(int(n) - 1) for n in c) / prod(a + i for i in range(int(sum(c))))
+)
+"""
+
 SEATING_1 = """
 def crp_probability(counts, alpha):
     p, there = 1.0, 0
@@ -30,6 +38,7 @@ crp_probability = lambda c, a: np.exp(
 
 FRACTIONS_1 = """
 from fractions import Fraction
+from math import factorial, prod
 
 crp_probability = lambda c, a: (
     Fraction(a) ** len(c)
@@ -43,7 +52,7 @@ def move_probabilities(log_p, labels, k):
     rest = [int(x) for i, x in enumerate(labels) if i != k]
     names = sorted(set(rest))
     logs = []
-    for place in [*names, max(names) + 1]:
+    for place in [*names, max(names, default=-1) + 1]:
         tried = rest[:k] + [place] + rest[k:]
         order = sorted(set(tried))
         logs.append(log_p([order.index(x) for x in tried]))
@@ -58,7 +67,7 @@ move_probabilities = lambda log_p, x, k: softmax(
     [
         log_p(np.insert(o, k, i))
         for o in [np.unique(np.delete(x, k), return_inverse=True)[1]]
-        for i in range(o.max() + 2)
+        for i in range(len(set(o)) + 1)
     ]
 )
 """
@@ -130,32 +139,27 @@ def merge_acceptance(la, lm, w, s):
 
 WRONG = {
     1: {
-        "not divided": (" / prod(alpha + i for i in range(int(sum(counts))))", ""),
-        "alpha once": ("alpha ** len(counts)", "alpha"),
-        "n!": ("factorial(int(n) - 1)", "factorial(int(n))"),
-        "from alpha + 1": ("prod(alpha + i", "prod(alpha + i + 1"),
-        "n! below": ("prod(alpha + i for i in range(int(sum(counts))))", "factorial(int(sum(counts)))"),
-        "tables alone": ("alpha ** len(counts) * prod(factorial(int(n) - 1) for n in counts)", "alpha ** len(counts)"),
-        "logarithm": (
-            "return above / prod(alpha + i for i in range(int(sum(counts))))",
-            "return np.log(above / prod(alpha + i for i in range(int(sum(counts)))))",
-        ),
+        "not divided": (" - sum(log(alpha + i) for i in range(int(sum(counts))))", ""),
+        "alpha once": ("len(counts) * log(alpha)", "log(alpha)"),
+        "n!": ("lgamma(n)", "lgamma(n + 1)"),
+        "from alpha + 1": ("log(alpha + i)", "log(alpha + i + 1)"),
+        "n! below": ("sum(log(alpha + i) for i in range(int(sum(counts))))", "lgamma(int(sum(counts)) + 1)"),
+        "tables alone": ("+ sum(lgamma(n) for n in counts)", ""),
+        "logarithm": ("return exp(", "return ("),
+        "factorials that overflow": FACTORIALS_1,
         "64 bits": A_64_BITS_1,
-        "fixed alpha": (
-            "alpha ** len(counts) * prod(factorial(int(n) - 1) for n in counts)",
-            "(alpha := 1.0) * prod(factorial(int(n) - 1) for n in counts)",
-        ),
-        "orders counted": (
-            "alpha ** len(counts) * prod(factorial(int(n) - 1) for n in counts)",
-            "alpha ** len(counts) * prod(factorial(int(n) - 1) for n in counts) * factorial(int(sum(counts)))",
-        ),
+        "fixed alpha": ("    tables =", "    alpha = 1.0\n    tables ="),
+        "orders counted": ("return exp(", "return exp(lgamma(int(sum(counts)) + 1) + "),
         "one": "lambda c, a: 1.0",
     },
     2: {
         "logarithms": ("np.exp(logs - logs.max())", "logs"),
         "not divided": ("weights / weights.sum()", "weights"),
         "underflow": ("np.exp(logs - logs.max())", "np.exp(logs)"),
-        "no new": ("others.max() + 2", "others.max() + 1"),
+        "smallest taken off": ("logs - logs.max()", "logs - logs.min()"),
+        "mean taken off": ("logs - logs.max()", "logs - logs.mean()"),
+        "stops for a single sighting": ("others.max(initial=-1)", "others.max()"),
+        "no new": ("others.max(initial=-1) + 2", "others.max(initial=-1) + 1"),
         "one place too many": ("np.unique(np.delete(labels, k), return_inverse=True)[1]", "np.delete(labels, k)"),
         "new first": ("weights / weights.sum()", "np.roll(weights / weights.sum(), 1)"),
         "reversed": ("weights / weights.sum()", "(weights / weights.sum())[::-1]"),

@@ -45,11 +45,22 @@ def true_class(reports, confusion):
     return belief
 """
 
-COUNTS_2 = """
+POWERS_2 = """
 def true_class(reports, confusion):
     counts = np.bincount(reports, minlength=len(confusion))
     product = np.prod(confusion**counts, axis=1)
     return product / product.sum()
+"""
+
+COUNTS_2 = """
+from scipy.special import xlogy
+
+
+def true_class(reports, confusion):
+    counts = np.bincount(reports, minlength=len(confusion))
+    logs = xlogy(counts, confusion).sum(axis=1)
+    weights = np.exp(logs - logs.max())
+    return [each / sum(weights) for each in weights]
 """
 
 EINSUM_4 = """
@@ -90,15 +101,18 @@ WRONG = {
         "even": "lambda w: np.full(w.shape, 0.5)",
     },
     2: {
-        "rows of the matrix": ("confusion[:, reports].prod(axis=1)", "confusion[reports].prod(axis=0)"),
-        "mean": ("prod(axis=1)", "mean(axis=1)"),
-        "not divided": ("return product / product.sum()", "return product"),
+        "rows of the matrix": ("np.log(confusion)[:, reports].sum(axis=1)", "np.log(confusion)[reports].sum(axis=0)"),
+        "mean": ("[:, reports].sum(axis=1)", "[:, reports].mean(axis=1)"),
+        "not divided": ("return likelihood / likelihood.sum()", "return likelihood"),
+        "product": "lambda r, C: (p := C[:, r].prod(axis=1)) / p.sum()",
+        "powers": POWERS_2,
+        "smallest taken off": ("logs.max()", "logs.min()"),
         "votes": "lambda r, C: np.bincount(r, minlength=len(C)) / len(r)",
         "the last": "lambda r, C: C[:, r[-1]] / C[:, r[-1]].sum()",
         "the first": "lambda r, C: C[:, r[0]] / C[:, r[0]].sum()",
-        "each kind once": ("confusion[:, reports]", "confusion[:, np.unique(reports)]"),
+        "each kind once": ("[:, reports]", "[:, np.unique(reports)]"),
         "even": "lambda r, C: np.full(len(C), 1 / len(C))",
-        "complex": ("return product / product.sum()", "return product / product.sum() + 0j"),
+        "complex": ("return likelihood / likelihood.sum()", "return likelihood / likelihood.sum() + 0j"),
     },
     3: {
         "sign": "lambda p, L: 2 * np.log(p @ L / L.mean())",

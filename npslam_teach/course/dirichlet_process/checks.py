@@ -197,5 +197,3 @@ def _counted(answers: list, expected: list) -> str:
         f"{len(off)} of {len(answers)} random scenes are grouped otherwise; in the first of them you have {found} "
         f"objects where there should be {wanted}"
     )
-
-

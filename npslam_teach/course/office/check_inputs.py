@@ -24,3 +24,28 @@ def position_variance_inputs() -> tuple[list, dict]:
         ],
     }
     return trials, edges
+
+
+def box_before_a_wall() -> np.ndarray:
+    """A wall behind, and a few stray readings in front: the nearest point is not the object.
+
+    101 points: the 0.4-quantile is one of them then, whichever definition of a quantile is used.
+    """
+    rng = fresh()
+    front = rng.normal([rng.uniform(-1, 1), 0.3, 2.0], [0.1, 0.2, 0.04], (58, 3))
+    wall, stray = rng.normal([0.6, 0.0, 3.5], 0.1, (40, 3)), rng.normal([0.0, 0.0, 0.8], 0.02, (3, 3))
+    return rng.permutation(np.concatenate([front, wall, stray]))
+
+
+def at_the_reach() -> np.ndarray:
+    """Points (11, 3) whose 0.4-quantile of depth is 2 m by any definition, others at 0.3 m from it, nearly."""
+    rng = fresh()
+    depth = np.array([1.5, 1.698, 1.698, 1.702, 2.0, 2.1, 2.298, 2.298, 2.302, 2.302, 2.9])
+    return rng.permutation(np.column_stack([rng.uniform(-1, 1, 11), rng.normal(0, 0.2, 11), depth]))
+
+
+def slope() -> np.ndarray:
+    """Depths without a gap, where another quantile or another reach keeps other points."""
+    rng = fresh()
+    depth = rng.uniform(1.0, 3.0, 101)
+    return np.column_stack([depth * rng.uniform(0.2, 0.6) + rng.normal(0, 0.05, 101), rng.normal(0, 0.2, 101), depth])

@@ -9,7 +9,7 @@ from npslam_teach.camera import Intrinsics, back_project, foreground, on_floor
 from npslam_teach.course import drawings
 from npslam_teach.course.checking import Verdict, as_array
 from npslam_teach.course.comparing import close, exactly
-from npslam_teach.course.office.check_inputs import position_variance_inputs
+from npslam_teach.course.office.check_inputs import at_the_reach, box_before_a_wall, position_variance_inputs, slope
 from npslam_teach.course.trials import Part, check_function, fresh
 from npslam_teach.course.verdict_page import exercise
 
@@ -71,9 +71,9 @@ def check_foreground_centre(foreground_centre: Callable) -> Verdict:
             p[np.abs(p[:, 2] - np.median(p[:, 2])) < 0.3].mean(axis=0)
         ),
     }
-    trials = [(points,) for _ in range(4) for points in (_box_before_a_wall(), _slope())]
+    trials = [(points,) for _ in range(4) for points in (box_before_a_wall(), slope())]
     edges = {
-        "with points 2 mm within 0.3 m and 2 mm beyond it": [(_at_the_reach(),)],
+        "with points 2 mm within 0.3 m and 2 mm beyond it": [(at_the_reach(),)],
         "with a single point": [(np.array([[0.4, 0.1, 2.0]]),)],
         "with all points at one depth": [(np.array([[0.4, 0.1, 2.0], [0.8, 0.0, 2.0], [-0.3, 0.2, 2.0]]),)],
     }
@@ -83,31 +83,6 @@ def check_foreground_centre(foreground_centre: Callable) -> Verdict:
 
 def _kept_mean(points: np.ndarray) -> np.ndarray:
     return points[foreground(points)].mean(axis=0)
-
-
-def _box_before_a_wall() -> np.ndarray:
-    """A wall behind, and a few stray readings in front: the nearest point is not the object.
-
-    101 points: the 0.4-quantile is one of them then, whichever definition of a quantile is used.
-    """
-    rng = fresh()
-    front = rng.normal([rng.uniform(-1, 1), 0.3, 2.0], [0.1, 0.2, 0.04], (58, 3))
-    wall, stray = rng.normal([0.6, 0.0, 3.5], 0.1, (40, 3)), rng.normal([0.0, 0.0, 0.8], 0.02, (3, 3))
-    return rng.permutation(np.concatenate([front, wall, stray]))
-
-
-def _at_the_reach() -> np.ndarray:
-    """Points (11, 3) whose 0.4-quantile of depth is 2 m by any definition, others at 0.3 m from it, nearly."""
-    rng = fresh()
-    depth = np.array([1.5, 1.698, 1.698, 1.702, 2.0, 2.1, 2.298, 2.298, 2.302, 2.302, 2.9])
-    return rng.permutation(np.column_stack([rng.uniform(-1, 1, 11), rng.normal(0, 0.2, 11), depth]))
-
-
-def _slope() -> np.ndarray:
-    """Depths without a gap, where another quantile or another reach keeps other points."""
-    rng = fresh()
-    depth = rng.uniform(1.0, 3.0, 101)
-    return np.column_stack([depth * rng.uniform(0.2, 0.6) + rng.normal(0, 0.05, 101), rng.normal(0, 0.2, 101), depth])
 
 
 @exercise("08", 4, of=5)

@@ -127,7 +127,7 @@ def test_modules_and_functions_keep_their_promise_of_size():
             if isinstance(node, ast.FunctionDef):
                 body = [entry for entry in node.body if not _is_docstring(entry)]
                 lines = body[-1].end_lineno - body[0].lineno + 1 if body else 0
-                most = 40 if name.endswith(("checks", "check_inputs")) else 25  # these may hold a table of mistakes or edges
+                most = 40 if name.endswith(("checks", "check_inputs")) else 25  # these may hold tables
                 assert lines <= longer.get(f"{name}.{node.name}", most), f"{name}.{node.name} has {lines} lines"
 
 

@@ -152,6 +152,8 @@ def _without_effect(method: str, log: RobotLog) -> Iterator[str]:
         yield f"{method} assumes one noise for all: {' and '.join(carried)}"
     if log.class_probabilities is not None and not METHODS[method].sees_classes:
         yield f"{method} takes the most likely class for certain: class_probabilities"
+    if log.obs_theta is not None and not METHODS[method].sees_headings:
+        yield f"{method} takes objects for points: obs_theta"
 
 
 def searches_of(found: experiments.Run) -> int:

@@ -19,6 +19,17 @@ def wrap(angle: np.ndarray) -> np.ndarray:
     return np.where(wrapped >= np.pi, -np.pi, wrapped)
 
 
+def wrap_symmetric(angle: np.ndarray, symmetry: np.ndarray) -> np.ndarray:
+    """The smallest turn that looks like this one, of something that looks alike after each n-th part of a full turn.
+
+    Args:
+        angle: (...) rad.
+        symmetry: (...) n: 1 brings angles into [-pi, pi), 2 into [-pi/2, pi/2); 0, of what is round, makes them 0.
+    """
+    parts = np.maximum(symmetry, 1)
+    return np.where(np.equal(symmetry, 0), 0.0, wrap(parts * np.asarray(angle, dtype=float)) / parts)
+
+
 def rotate(theta: np.ndarray, xy: np.ndarray) -> np.ndarray:
     """Rotate vectors counter-clockwise: ``R(theta) xy``.
 

@@ -8,20 +8,32 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from npslam_teach.factors import NO_HEADINGS, BetweenFactors, HeadingFactors, ObservationFactors
 from npslam_teach.validation import (
-    checked_array,
     require_definite,
     require_distributions,
     require_positive,
     require_range,
-    require_semidefinite,
+    set_checked,
+    set_headings,
 )
 
+__all__ = [
+    "CLUTTER",
+    "NO_HEADINGS",
+    "UNKNOWN",
+    "BetweenFactors",
+    "GroundTruth",
+    "HeadingFactors",
+    "ObservationFactors",
+    "PoseGraph",
+    "RobotLog",
+    "SensorModel",
+    "Snapshot",
+    "World",
+]
+
 CLUTTER, UNKNOWN = -1, -2  # what the true object of an observation can be, besides an index
-
-
-def _set(instance, name: str, shape: tuple, dtype=float, gaps: bool = False) -> None:
-    object.__setattr__(instance, name, checked_array(name, getattr(instance, name), shape, dtype, gaps))
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,12 +43,15 @@ class World:
     object_xy: np.ndarray  # (K, 2) m, W; NaN where nobody measured
     object_class: np.ndarray  # (K,) in [0, C)
     class_names: tuple  # C names
+    object_theta: np.ndarray | None = None  # (K,) rad, W: which way each faces; NaN where nobody measured
 
     def __post_init__(self):
         object.__setattr__(self, "class_names", tuple(str(name) for name in self.class_names))
-        _set(self, "object_xy", (None, 2), gaps=True)
-        _set(self, "object_class", (len(self.object_xy),), int)
+        set_checked(self, "object_xy", (None, 2), gaps=True)
+        set_checked(self, "object_class", (len(self.object_xy),), int)
         require_range("object_class", self.object_class, 0, len(self.class_names), "a class index")
+        if self.object_theta is not None:
+            set_checked(self, "object_theta", (len(self.object_xy),), gaps=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,10 +69,12 @@ class SensorModel:
     class_confusion: np.ndarray | None = None  # (C, C), rows sum to one
     detection_probability: float = 1.0
     clutter_rate: float = 0.0
+    observation_theta_std: float | None = None  # rad, of the heading of an object; None: headings are not seen
+    class_symmetry: np.ndarray | None = None  # (C,) as in ``RobotLog``
 
     def __post_init__(self):
         for name, size in (("odometry_std", 3), ("observation_std", 2)):
-            _set(self, name, (size,))
+            set_checked(self, name, (size,))
             if (getattr(self, name) < 0).any():
                 raise ValueError(f"{name}: expected non-negative numbers, got {getattr(self, name).tolist()}")
         for name in ("max_range", "field_of_view", "clutter_rate"):
@@ -66,8 +83,12 @@ class SensorModel:
         if not 0 <= self.detection_probability <= 1:
             raise ValueError(f"detection_probability: expected a number in [0, 1], got {self.detection_probability}")
         if self.class_confusion is not None:
-            _set(self, "class_confusion", (len(self.class_confusion), len(self.class_confusion)))
+            set_checked(self, "class_confusion", (len(self.class_confusion), len(self.class_confusion)))
             require_distributions("class_confusion", self.class_confusion)
+        if self.observation_theta_std is not None:
+            require_positive("observation_theta_std", np.asarray(self.observation_theta_std, dtype=float))
+        if self.class_symmetry is not None:
+            set_checked(self, "class_symmetry", (len(self.class_symmetry),), int)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,14 +109,17 @@ class RobotLog:
     odometry_cov: np.ndarray | None = None  # (T-1, 3, 3) m, m, rad: of each step, in the order of its numbers
     observation_cov: np.ndarray | None = None  # (M, 2, 2) m^2: of each observation, in R_t
     class_probabilities: np.ndarray | None = None  # (M, C) what each observation says of its class, all alike before
+    obs_theta: np.ndarray | None = None  # (M,) rad, which way the object faces, in R_t
+    observation_theta_std: float | None = None  # rad, beside obs_theta
+    class_symmetry: np.ndarray | None = None  # (C,) how many headings look alike: 1 one, 2 half-turn, 0 all (round)
 
     def __post_init__(self):
-        _set(self, "odometry", (None, 3))
-        _set(self, "obs_time", (None,), int)
-        _set(self, "obs_xy", (len(self.obs_time), 2))
-        _set(self, "obs_class", (len(self.obs_time),), int)
-        _set(self, "odometry_std", (3,))
-        _set(self, "observation_std", (2,))
+        set_checked(self, "odometry", (None, 3))
+        set_checked(self, "obs_time", (None,), int)
+        set_checked(self, "obs_xy", (len(self.obs_time), 2))
+        set_checked(self, "obs_class", (len(self.obs_time),), int)
+        set_checked(self, "odometry_std", (3,))
+        set_checked(self, "observation_std", (2,))
         if int(self.num_classes) != self.num_classes or self.num_classes < 1:
             raise ValueError(f"num_classes: expected a positive integer, got {self.num_classes}")
         object.__setattr__(self, "num_classes", int(self.num_classes))
@@ -105,11 +129,12 @@ class RobotLog:
         require_positive("observation_std", self.observation_std)
         for name, count, size in (("odometry_cov", len(self.odometry), 3), ("observation_cov", len(self.obs_time), 2)):
             if getattr(self, name) is not None:
-                _set(self, name, (count, size, size))
+                set_checked(self, name, (count, size, size))
                 require_definite(name, getattr(self, name))
         if self.class_probabilities is not None:
-            _set(self, "class_probabilities", (self.num_observations, self.num_classes))
+            set_checked(self, "class_probabilities", (self.num_observations, self.num_classes))
             require_distributions("class_probabilities", self.class_probabilities)
+        set_headings(self)
         if self.class_names is not None and len(self.class_names) != self.num_classes:
             raise ValueError(f"class_names: expected {self.num_classes} names, got {len(self.class_names)}")
 
@@ -133,8 +158,8 @@ class GroundTruth:
     obs_object: np.ndarray  # (M,) index into the world's objects, CLUTTER or UNKNOWN
 
     def __post_init__(self):
-        _set(self, "poses", (None, 3), gaps=True)
-        _set(self, "obs_object", (None,), int)
+        set_checked(self, "poses", (None, 3), gaps=True)
+        set_checked(self, "obs_object", (None,), int)
         what = "an object index (-1 = clutter, -2 = unknown)"
         require_range("obs_object", self.obs_object, UNKNOWN, len(self.world.object_xy), what)
 
@@ -146,44 +171,6 @@ class GroundTruth:
 
 
 @dataclass(frozen=True, eq=False)
-class BetweenFactors:
-    """E measurements of pose j in the frame of pose i: odometry steps and loop closures."""
-
-    i: np.ndarray  # (E,)
-    j: np.ndarray  # (E,)
-    relative_pose: np.ndarray  # (E, 3) R_j in R_i
-    information: np.ndarray  # (E, 3, 3)
-
-    def __post_init__(self):
-        _set(self, "i", (None,), int)
-        num_factors = len(self.i)
-        _set(self, "j", (num_factors,), int)
-        _set(self, "relative_pose", (num_factors, 3))
-        _set(self, "information", (num_factors, 3, 3))
-        require_semidefinite("information", self.information)
-        if (self.i == self.j).any():
-            raise ValueError(f"j: expected a pose other than i, got i = j = {self.i[self.i == self.j][0]}")
-
-
-@dataclass(frozen=True, eq=False)
-class ObservationFactors:
-    """M measurements of a landmark's position in the frame of a pose."""
-
-    pose: np.ndarray  # (M,)
-    landmark: np.ndarray  # (M,)
-    xy: np.ndarray  # (M, 2) m, R_pose
-    information: np.ndarray  # (M, 2, 2)
-
-    def __post_init__(self):
-        _set(self, "pose", (None,), int)
-        num_factors = len(self.pose)
-        _set(self, "landmark", (num_factors,), int)
-        _set(self, "xy", (num_factors, 2))
-        _set(self, "information", (num_factors, 2, 2))
-        require_semidefinite("information", self.information)
-
-
-@dataclass(frozen=True, eq=False)
 class PoseGraph:
     """Estimates of poses and landmarks, and the factors that tie them together.
 
@@ -191,19 +178,20 @@ class PoseGraph:
     """
 
     poses: np.ndarray  # (T, 3) W
-    landmarks: np.ndarray  # (K, 2) m, W
+    landmarks: np.ndarray  # (K, 2) m, W; or (K, 3) with headings, rad
     between: BetweenFactors
     observations: ObservationFactors
     fixed_poses: np.ndarray = (0,)  # indices, each once
     fixed_landmarks: np.ndarray = ()  # indices, each once
     pose_ids: tuple[int, ...] | None = None  # what a file calls them; None: by their index
     landmark_ids: tuple[int, ...] | None = None
+    headings: HeadingFactors = NO_HEADINGS  # of landmarks, where these have any
 
     def __post_init__(self):
-        _set(self, "poses", (None, 3))
-        _set(self, "landmarks", (None, 2))
-        _set(self, "fixed_poses", (None,), int)
-        _set(self, "fixed_landmarks", (None,), int)
+        set_checked(self, "poses", (None, 3))
+        set_checked(self, "landmarks", (None, 3 if np.shape(self.landmarks)[1:] == (3,) else 2))
+        set_checked(self, "fixed_poses", (None,), int)
+        set_checked(self, "fixed_landmarks", (None,), int)
         if len(self.poses) == 0:
             raise ValueError("poses: expected at least one pose, got none")
         if len(self.fixed_poses) + len(self.fixed_landmarks) == 0:
@@ -212,7 +200,14 @@ class PoseGraph:
             ids = getattr(self, name)
             if ids is not None and len(ids) != len(variables):
                 raise ValueError(f"{name}: expected {len(variables)} ids, got {len(ids)}")
+        if len(self.headings.pose) and self.landmarks.shape[1] != 3:
+            raise ValueError(f"landmarks: expected shape (any, 3) with headings, got {self.landmarks.shape}")
         self._require_indices()
+
+    @property
+    def landmark_xy(self) -> np.ndarray:
+        """(K, 2) m, W: where the landmarks are, whichever way they face."""
+        return self.landmarks[:, :2]
 
     def _require_indices(self) -> None:
         pose, landmark = (len(self.poses), "the index of a pose"), (len(self.landmarks), "the index of a landmark")
@@ -221,6 +216,8 @@ class PoseGraph:
             ("between.j", self.between.j, pose),
             ("observations.pose", self.observations.pose, pose),
             ("observations.landmark", self.observations.landmark, landmark),
+            ("headings.pose", self.headings.pose, pose),
+            ("headings.landmark", self.headings.landmark, landmark),
             ("fixed_poses", self.fixed_poses, pose),
             ("fixed_landmarks", self.fixed_landmarks, landmark),
         ):
@@ -239,8 +236,8 @@ class Snapshot:
     objective: float | None  # None where the method lowers no such number
 
     def __post_init__(self):
-        _set(self, "labels", (None,), int)
-        _set(self, "votes", (len(self.graph.landmarks), None))
+        set_checked(self, "labels", (None,), int)
+        set_checked(self, "votes", (len(self.graph.landmarks), None))
         require_range("labels", self.labels, -1, len(self.votes), "an object index (-1 = none)")
 
     @property

@@ -35,6 +35,30 @@ def checked_array(name: str, value, shape: tuple, dtype=float, gaps: bool = Fals
     return array
 
 
+def set_checked(instance, name: str, shape: tuple, dtype=float, gaps: bool = False) -> None:
+    """Replace a field of a frozen dataclass by its ``checked_array``."""
+    object.__setattr__(instance, name, checked_array(name, getattr(instance, name), shape, dtype, gaps))
+
+
+def set_headings(log) -> None:
+    """Check the headings of a ``RobotLog``: ``obs_theta`` and its standard deviation together, or neither.
+
+    Raises:
+        ValueError: names the field, what was expected and what came.
+    """
+    if (log.obs_theta is None) != (log.observation_theta_std is None):
+        missing = "obs_theta" if log.obs_theta is None else "observation_theta_std"
+        raise ValueError(f"{missing}: expected obs_theta and observation_theta_std together, got only one of them")
+    if log.obs_theta is not None:
+        set_checked(log, "obs_theta", (log.num_observations,))
+        std = checked_array("observation_theta_std", log.observation_theta_std, ()).item()
+        require_positive("observation_theta_std", np.array(std))
+        object.__setattr__(log, "observation_theta_std", std)
+    if log.class_symmetry is not None:
+        set_checked(log, "class_symmetry", (log.num_classes,), int)
+        require_range("class_symmetry", log.class_symmetry, 0, 1001, "how many headings look alike, 0 = all,")
+
+
 def _require_finite(name: str, array: np.ndarray) -> None:
     if not np.isfinite(array).all():
         raise ValueError(

@@ -12,7 +12,9 @@ import npslam_teach
 PACKAGE = Path(npslam_teach.__file__).parent
 SOURCES = {".".join(path.relative_to(PACKAGE).with_suffix("").parts): path for path in sorted(PACKAGE.rglob("*.py"))}
 # Whoever stands further right may know those further left; groups that stand together do not know each other.
-LAW = "system se2 validation camera < types < pose_graph association datasets simulate < methods evaluation < "
+LAW = (
+    "system se2 validation camera < factors < types < pose_graph association datasets simulate < methods evaluation < "
+)
 LAW += "experiments < plotting < course < cli < __main__"
 RANK = {place: rank for rank, places in enumerate(LAW.split(" < ")) for place in places.split()}
 EXTRA = {("simulate", "camera"), ("cli", "publishing"), ("publishing", "system")}

@@ -2,6 +2,7 @@
 
 ``likelihood`` has the rule of the paper for one observation: begin there. ``sweep`` asks all observations in turn,
 plainly and fast, ``exclusive`` frame by frame; ``radius_search`` is the machinery of the fast one.
+``headings`` adds which way things face.
 ``dirichlet_process`` says how probable a new object is, ``class_votes`` what an object is, ``objective`` which number
 the alternation lowers, ``partitions`` what can be done with labels alone.
 """
@@ -21,6 +22,7 @@ from npslam_teach.association.dirichlet_process import (
     reweight,
 )
 from npslam_teach.association.exclusive import exclusive_sweep, one_to_one
+from npslam_teach.association.headings import SeenHeadings, heading_kernel
 from npslam_teach.association.likelihood import (
     PAPER_ALPHA,
     PAPER_KERNEL_STD,
@@ -46,6 +48,7 @@ __all__ = [
     "FALSE_POSITIVE",
     "PAPER_ALPHA",
     "PAPER_KERNEL_STD",
+    "SeenHeadings",
     "association_probabilities",
     "association_weights",
     "class_posterior",
@@ -54,6 +57,7 @@ __all__ = [
     "exclusive_sweep",
     "expected_num_objects",
     "first_observations",
+    "heading_kernel",
     "in_order_of_sight",
     "false_positives",
     "all_partitions",

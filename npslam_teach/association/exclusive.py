@@ -7,6 +7,7 @@ weights is as large as can be (an assignment problem; Kuhn 1955, "The Hungarian 
 
 import numpy as np
 
+from npslam_teach.association.headings import SeenHeadings
 from npslam_teach.association.likelihood import LEAST_THRESHOLD, PAPER_ALPHA, PAPER_KERNEL_STD, require_rule
 from npslam_teach.association.partitions import Association, without_empty_objects
 from npslam_teach.association.radius_search import CandidateIndex, search_radius
@@ -25,6 +26,7 @@ def exclusive_sweep(
     threshold: float | None = None,
     kernel_std: float = PAPER_KERNEL_STD,
     order: str | np.ndarray = "last-to-first",
+    headings: SeenHeadings | None = None,
 ) -> Association:
     """Ask the observations frame by frame which objects they are of; where a frame holds one, this is ``sweep``.
 
@@ -40,7 +42,7 @@ def exclusive_sweep(
     frames = _frames(obs_time, visiting_order(order, len(labels)))
     everywhere = threshold is not None and threshold < LEAST_THRESHOLD
     radius = np.inf if everywhere else search_radius(alpha, threshold, kernel_std, labels, obs_xy_world, obs_class)
-    nearby = CandidateIndex(labels, landmarks, obs_xy_world, obs_class, kernel_std, radius)
+    nearby = CandidateIndex(labels, landmarks, obs_xy_world, obs_class, kernel_std, radius, headings)
     labels, candidates = np.array(labels), nearby.candidates(np.concatenate(frames))
     for frame in frames:
         for k in frame.tolist():

@@ -35,16 +35,20 @@ def require_kernel(threshold: float | None, kernel_std: float) -> None:
 
 
 def association_weights(
-    class_votes: np.ndarray, distance: np.ndarray, kernel_std: float = PAPER_KERNEL_STD
+    class_votes: np.ndarray,
+    distance: np.ndarray,
+    kernel_std: float = PAPER_KERNEL_STD,
+    squared_turn: np.ndarray | float = 0.0,
 ) -> np.ndarray:
-    """How well one observation fits each object: ``votes * exp(-d^2 / (2 s^2))``.
+    """How well one observation fits each object: ``votes * exp(-d^2 / (2 s^2))``, and the kernel of headings if any.
 
     Args:
         class_votes: (K,) each object's votes for the observed class, the observation's own vote not counted.
         distance: (K,) m, from the observation, carried into W, to each object.
         kernel_std: s, m.
+        squared_turn: (K,) of headings, see ``headings.SeenHeadings``.
     """
-    return class_votes * np.exp(-(distance**2) / (2 * kernel_std**2))
+    return class_votes * np.exp(-(distance**2) / (2 * kernel_std**2) - squared_turn / 2)
 
 
 def association_probabilities(
@@ -52,6 +56,7 @@ def association_probabilities(
     distance: np.ndarray,
     alpha: float = PAPER_ALPHA,
     kernel_std: float = PAPER_KERNEL_STD,
+    squared_turn: np.ndarray | float = 0.0,
 ) -> np.ndarray:
     """Probabilities that one observation is of each object, or of a new one (deck figures 6 and 7; paper eq. 8).
 
@@ -60,7 +65,7 @@ def association_probabilities(
     Returns:
         (K+1,); the last entry is "new".
     """
-    return reweight(association_weights(class_votes, distance, kernel_std), alpha)
+    return reweight(association_weights(class_votes, distance, kernel_std, squared_turn), alpha)
 
 
 def decide(probabilities: np.ndarray, threshold: float | None = None) -> int:

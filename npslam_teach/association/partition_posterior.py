@@ -9,7 +9,8 @@ partition says which of these positions are one and the same. Its posterior is a
 A tracklet is one draw of a Chinese restaurant process: its first observation is drawn, the others stay with it. An
 object costs ``alpha / area`` (objects are uniform over the area), and joining it weighs as many observations as it has
 by then. Where every tracklet is a single observation this is the process itself: ``alpha^K prod (n_i - 1)!``. Reports
-of classes that are not certain weigh by how well those of one object agree (``semantics.class_evidence``).
+of classes that are not certain weigh by how well those of one object agree (``semantics.class_evidence``), and so do
+headings (``headings.log_heading_evidence``): object by object, beside the positions and not together with them.
 
 ``log_posterior`` and ``plain_weights`` say it as it is; ``gibbs`` says the same faster.
 """
@@ -20,7 +21,23 @@ from typing import NamedTuple
 
 import numpy as np
 
+from npslam_teach.association.headings import log_heading_evidence
 from npslam_teach.association.semantics import class_evidence
+
+
+class HeadingEvidence(NamedTuple):
+    """Which way the objects of N tracklets face, the position of the robot and of the objects not looked at."""
+
+    theta: np.ndarray  # (N,) rad, all in one frame
+    cov: np.ndarray  # (N, N) rad^2 of their errors
+    symmetry: np.ndarray  # (N,) how many headings look alike; 0: nothing is said
+
+    def log_agreement(self, members: list[int]) -> float:
+        """``headings.log_heading_evidence`` of some tracklets for being one object."""
+        told = [each for each in members if self.symmetry[each]]
+        if len(told) < 2:
+            return 0.0
+        return log_heading_evidence(self.theta[told], self.cov[np.ix_(told, told)], self.symmetry[told].max())
 
 
 class TrackletEvidence(NamedTuple):
@@ -34,6 +51,7 @@ class TrackletEvidence(NamedTuple):
     alpha: float  # concentration
     area: float  # m^2
     classes: np.ndarray | None = None  # (N, C) what the reports of each say, logarithms; None: only ``rivals`` says it
+    headings: HeadingEvidence | None = None  # where the log has some
 
 
 def log_posterior(evidence: TrackletEvidence, labels: np.ndarray) -> float:
@@ -86,6 +104,8 @@ def log_prior(members: list[int], evidence: TrackletEvidence) -> float:
     """The log prior of an object of these tracklets, in the order of first sight, and of what they say of its class."""
     counts = evidence.counts[members].tolist()
     seats = math.log(evidence.alpha / evidence.area) + sum(math.log(before) for before in accumulate(counts[:-1]))
+    if evidence.headings is not None:
+        seats += evidence.headings.log_agreement(members)
     if evidence.classes is None or not members:
         return seats
     return seats + class_evidence(evidence.classes[members].sum(axis=0))

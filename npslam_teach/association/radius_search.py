@@ -9,23 +9,26 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from npslam_teach.association.headings import opened_at, turned
+
 NEGLIGIBLE = 1e-13  # a share of the total weight that cannot be told from rounding
 PAIRS_AT_ONCE = 25_000  # about as many candidates as stay in a processor's cache
 NO_CANDIDATES = ([], [])
 TREE_REBUILDS = 8  # how often in a long sweep objects that have lost all their votes are left out of the search
 
 
-def kernel(xy: np.ndarray, centres: np.ndarray, kernel_std: float) -> np.ndarray:
-    """``exp(-d^2 / (2 s^2))`` between points, row by row or many against one: (N,).
+def kernel(xy: np.ndarray, centres: np.ndarray, kernel_std: float, squared_turn: np.ndarray | float = 0.0):
+    """``exp(-d^2 / (2 s^2))`` between points, row by row or many against one: (N,); times the kernel of headings.
 
     Args:
         xy: (N, 2) or (2,) m.
         centres: (N, 2) or (2,) m.
         kernel_std: s, m.
+        squared_turn: (N,) of headings, see ``headings.SeenHeadings``.
     """
     dx, dy = (centres - xy).T
     # A root that is squared again gives the same bits as the distance in `association.association_weights`.
-    return np.exp(-(np.sqrt(dx * dx + dy * dy) ** 2) / (2 * kernel_std**2))
+    return np.exp(-(np.sqrt(dx * dx + dy * dy) ** 2) / (2 * kernel_std**2) - squared_turn / 2)
 
 
 def search_radius(
@@ -81,22 +84,23 @@ class CandidateIndex:
         votes: list of C lists: the votes of every object for each class.
     """
 
-    def __init__(self, labels, landmarks, obs_xy_world, obs_class, kernel_std: float, radius: float):
+    def __init__(self, labels, landmarks, obs_xy_world, obs_class, kernel_std: float, radius: float, headings=None):
         """Take the start of a sweep, see ``association.sweep``, and the ``search_radius`` (m)."""
         from scipy.spatial import cKDTree
 
+        self._headings, self._start = headings, landmarks
         self._xy, self._class, self._kernel_std, self._radius = obs_xy_world, obs_class, kernel_std, radius
         self._members = {c: np.flatnonzero(obs_class == c) for c in np.unique(obs_class).tolist()}
         self._trees = {c: cKDTree(obs_xy_world[members]) for c, members in self._members.items()}
-        self._start_xy, votes = landmarks, np.zeros((len(landmarks), obs_class.max() + 1))
+        self._start_xy, votes = landmarks[:, :2], np.zeros((len(landmarks), obs_class.max() + 1))
         np.add.at(votes, (labels, obs_class), 1.0)
-        self._opened_xy, self.votes = [], votes.T.tolist()
-        self._opened = {}  # by observation: the new objects near it and their kernels, as in `candidates`
+        self._opened, self.votes = [], votes.T.tolist()
+        self._near_opened = {}  # by observation: the new objects near it and their kernels, as in `candidates`
 
     @property
     def landmarks(self) -> np.ndarray:
-        """(K, 2) m, W: the objects of the start and then those that were opened."""
-        return np.concatenate([self._start_xy, np.reshape(self._opened_xy, (-1, 2))])
+        """(K, 2) m, W, or (K, 3): the objects of the start and then those that were opened."""
+        return np.concatenate([self._start, np.reshape(self._opened, (-1, self._start.shape[1]))])
 
     def candidates(self, order: np.ndarray) -> Iterator[tuple[int, list, list]]:
         """For one observation k after the other: k, the objects of its class near it, and their kernels.
@@ -105,19 +109,20 @@ class CandidateIndex:
             order: (M,) the observations in the order of the visits.
         """
         for k, objects, kernels in self._known_candidates(order):
-            opened, opened_kernels = self._opened.pop(k, NO_CANDIDATES)
+            opened, opened_kernels = self._near_opened.pop(k, NO_CANDIDATES)
             yield (k, objects + opened, kernels + opened_kernels) if opened else (k, objects, kernels)
 
     def add_object(self, k: int) -> None:
         """Open an object where observation k was seen: a candidate for all observations of its class nearby."""
-        c, new = int(self._class[k]), len(self._start_xy) + len(self._opened_xy)
+        c, new = int(self._class[k]), len(self._start_xy) + len(self._opened)
+        self._opened.append(opened_at(self._xy, self._headings, k))
         members = self._members[c][self._trees[c].query_ball_point(self._xy[k], self._radius)]
-        kernels = kernel(self._xy[members], self._xy[k], self._kernel_std).tolist()
+        off = turned(self._headings, members, self._opened[-1])
+        kernels = kernel(self._xy[members], self._xy[k], self._kernel_std, off).tolist()
         for member, value in zip(members.tolist(), kernels, strict=True):
-            objects_of_member, kernels_of_member = self._opened.setdefault(member, ([], []))
+            objects_of_member, kernels_of_member = self._near_opened.setdefault(member, ([], []))
             objects_of_member.append(new)
             kernels_of_member.append(value)
-        self._opened_xy.append(self._xy[k])
         for votes in self.votes:
             votes.append(0.0)
 
@@ -132,7 +137,8 @@ class CandidateIndex:
             turn, objects = np.concatenate([self._pairs(asked, c, *tree) for c, tree in trees.items()], axis=1)
             by_turn = np.argsort(turn * len(self._start_xy) + objects)
             turn, objects = turn[by_turn], objects[by_turn]
-            kernels = kernel(self._xy[asked[turn]], self._start_xy[objects], self._kernel_std).tolist()
+            off = turned(self._headings, asked[turn], self._start[objects])
+            kernels = kernel(self._xy[asked[turn]], self._start_xy[objects], self._kernel_std, off).tolist()
             ends = np.searchsorted(turn, np.arange(len(asked) + 1)).tolist()
             objects = objects.tolist()
             for k, first, last in zip(asked.tolist(), ends[:-1], ends[1:], strict=True):

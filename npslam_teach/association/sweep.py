@@ -6,6 +6,7 @@ which are written out in both, so that an editor shows them.
 
 import numpy as np
 
+from npslam_teach.association.headings import SeenHeadings, opened_at, turned
 from npslam_teach.association.likelihood import (
     LEAST_THRESHOLD,
     PAPER_ALPHA,
@@ -27,6 +28,7 @@ def plain_sweep(
     threshold: float | None = None,
     kernel_std: float = PAPER_KERNEL_STD,
     order: str | np.ndarray = "last-to-first",
+    headings: SeenHeadings | None = None,
 ) -> Association:
     """Ask every observation once which object it is of (paper algorithm 1, lines 5 to 9; deck step 2.a).
 
@@ -38,28 +40,30 @@ def plain_sweep(
 
     Args:
         labels: (M,) index of the present object of each observation.
-        landmarks: (K, 2) m, W.
+        landmarks: (K, 2) m, W; (K, 3) with headings, rad.
         obs_xy_world: (M, 2) m, every observation carried into W.
         obs_class: (M,).
         alpha: concentration, the weight of a new object.
         threshold: see ``decide``.
         kernel_std: s, m.
         order: "last-to-first" (the authors'), "first-to-last", or the order itself (M,).
+        headings: of the observations, where they count.
     """
     require_rule(alpha, threshold, kernel_std)
     num_objects, num_observations = len(landmarks), len(labels)
     labels = np.array(labels)
     # Room for every observation to open an object of its own.
-    landmarks = np.concatenate([landmarks, np.zeros((num_observations, 2))])
+    landmarks = np.concatenate([landmarks, np.zeros((num_observations, landmarks.shape[1]))])
     votes = np.zeros((len(landmarks), obs_class.max(initial=0) + 1))
     np.add.at(votes, (labels, obs_class), 1.0)
     for k in visiting_order(order, num_observations):
         votes[labels[k], obs_class[k]] -= 1.0
-        distance = np.linalg.norm(landmarks[:num_objects] - obs_xy_world[k], axis=1)
-        probabilities = association_probabilities(votes[:num_objects, obs_class[k]], distance, alpha, kernel_std)
+        distance = np.linalg.norm(landmarks[:num_objects, :2] - obs_xy_world[k], axis=1)
+        off = turned(headings, k, landmarks[:num_objects])
+        probabilities = association_probabilities(votes[:num_objects, obs_class[k]], distance, alpha, kernel_std, off)
         labels[k] = decide(probabilities, threshold)
         if labels[k] == num_objects:
-            landmarks[num_objects] = obs_xy_world[k]
+            landmarks[num_objects] = opened_at(obs_xy_world, headings, k)
             num_objects += 1
         votes[labels[k], obs_class[k]] += 1.0
     return without_empty_objects(labels, landmarks)
@@ -74,6 +78,7 @@ def sweep(
     threshold: float | None = None,
     kernel_std: float = PAPER_KERNEL_STD,
     order: str | np.ndarray = "last-to-first",
+    headings: SeenHeadings | None = None,
 ) -> Association:
     """Ask every observation once which object it is of: ``plain_sweep`` in a time that grows with the observations.
 
@@ -85,17 +90,18 @@ def sweep(
     require_rule(alpha, threshold, kernel_std)
     order = visiting_order(order, len(labels))
     if len(order) == 0 or (threshold is not None and threshold < LEAST_THRESHOLD):
-        return plain_sweep(labels, landmarks, obs_xy_world, obs_class, alpha, threshold, kernel_std, order)
+        return plain_sweep(labels, landmarks, obs_xy_world, obs_class, alpha, threshold, kernel_std, order, headings)
     radius = search_radius(alpha, threshold, kernel_std, labels, obs_xy_world, obs_class)
-    nearby = CandidateIndex(labels, landmarks, obs_xy_world, obs_class, kernel_std, radius)
+    nearby = CandidateIndex(labels, landmarks, obs_xy_world, obs_class, kernel_std, radius, headings)
     labels = np.asarray(labels).tolist()
     for k, objects, kernels in nearby.candidates(order):
         votes = nearby.votes[obs_class[k]]
         votes[labels[k]] -= 1.0
         choice = _choose(votes, objects, kernels, alpha, threshold)
         if choice is None:
-            distance = np.linalg.norm(nearby.landmarks - obs_xy_world[k], axis=1)
-            choice = decide(association_probabilities(np.array(votes), distance, alpha, kernel_std), threshold)
+            landmarks = nearby.landmarks
+            distance, off = np.linalg.norm(landmarks[:, :2] - obs_xy_world[k], axis=1), turned(headings, k, landmarks)
+            choice = decide(association_probabilities(np.array(votes), distance, alpha, kernel_std, off), threshold)
         if choice == len(votes):
             nearby.add_object(k)
         votes[choice] += 1.0

@@ -25,7 +25,7 @@ def solve_result(run: Run, truth: GroundTruth | None, refitted: PoseGraph) -> di
             "votes": votes.tolist(),
             "num_observations": int(count),
         }
-        for xy, votes, count in zip(last.graph.landmarks, last.votes, counts, strict=True)
+        for xy, votes, count in zip(last.graph.landmark_xy, last.votes, counts, strict=True)
     ]
     quality = asdict(map_quality(last, run.log, OFFICE_THRESHOLD))
     arrays = {"labels": last.labels.tolist(), "poses": last.graph.poses.tolist(), "objects": objects}

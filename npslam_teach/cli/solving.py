@@ -177,6 +177,8 @@ def _without_effect(options, log: RobotLog) -> Iterator[str]:
         yield f"{method} assumes one noise for all: {' and '.join(carried)} of the log have no effect"
     if log.class_probabilities is not None and not METHODS[method].sees_classes:
         yield f"{method} takes the most likely class for certain: class_probabilities of the log have no effect"
+    if log.obs_theta is not None and not METHODS[method].sees_headings:
+        yield f"{method} takes objects for points: obs_theta of the log has no effect"
     if options.seed is not None and options.noise == 0 and options.restarts == 1:
         yield "--seed has no effect without --noise or --restarts"
 

@@ -4,12 +4,12 @@ One file has the columns ``kind, time, x, y, theta, class, object``, in any orde
 
     kind              uses                          is
     odometry_std      x y theta                     standard deviation of a step: m, m, rad
-    observation_std   x y                           and of an observation: m, m
-    class             class                         a class in the order of its number, where names or gaps matter
+    observation_std   x y [theta]                   and of an observation: m, m, and of the heading it sees: rad
+    class             class [symmetry]              a class in the order of its number; how many headings look alike
     odometry          time x y theta                pose time + 1 in the frame of pose time: m, m, rad
-    observation       time x y class [object]       an object seen from pose time, in its frame: m, m
+    observation       time x y [theta] class [object]  an object seen from pose time, in its frame: m, m, rad
     true_pose         time x y [theta]              the truth, as far as it is known: m, m, rad
-    true_object       object class [x y]            a real object: m, m
+    true_object       object class [x y theta]      a real object: m, m, rad
 
 ``time`` counts poses from 0. A class is a number from 0 or a name; an object has any name, ``clutter`` is none, and an
 empty one is unknown. Where every step, or every observation, has a covariance of its own, rows of that kind carry it in
@@ -27,18 +27,21 @@ from pathlib import Path
 
 import numpy as np
 
+from npslam_teach.datasets.csv_details import (
+    BELIEFS,
+    COVARIANCES,
+    SYMMETRY,
+    covariances_of,
+    headings_of,
+    written_details,
+)
 from npslam_teach.datasets.csv_tables import Row, read_rows
 from npslam_teach.datasets.mu2016 import MAX_CLASSES
 from npslam_teach.system.files import atomic_write, shorten
 from npslam_teach.types import CLUTTER, UNKNOWN
 
 COLUMNS = ("kind", "time", "x", "y", "theta", "class", "object")
-COVARIANCES = {  # by kind of row: the upper triangle, row by row
-    "odometry": ("cov_xx", "cov_xy", "cov_xt", "cov_yy", "cov_yt", "cov_tt"),
-    "observation": ("cov_xx", "cov_xy", "cov_yy"),
-}
-BELIEFS = "class_probabilities"
-KNOWN_COLUMNS = (*COLUMNS, *COVARIANCES["odometry"], BELIEFS)
+KNOWN_COLUMNS = (*COLUMNS, *COVARIANCES["odometry"], BELIEFS, SYMMETRY)
 USES = {
     "odometry_std": ("x", "y", "theta"),
     "observation_std": ("x", "y"),
@@ -112,26 +115,15 @@ def _log_fields(path, rows: dict) -> dict:
         "observation_std": np.array(rows["observation_std"][0].numbers("x", "y")),
     }
     in_order = {"odometry": [in_time[k] for k in range(len(steps))], "observation": seen}
-    fields |= {f"{kind}_cov": cov for kind, own in in_order.items() if (cov := _covariances(own, kind)) is not None}
+    fields |= {f"{kind}_cov": cov for kind, own in in_order.items() if (cov := covariances_of(own, kind)) is not None}
     if any(row.text.get(BELIEFS) for row in seen):
         fields[BELIEFS] = np.array([row.split_numbers(BELIEFS, len(names)) for row in seen])
+    fields |= headings_of(rows)
     if names != [str(c) for c in range(len(names))]:
         fields["class_names"] = np.array(names)
     if rows["true_object"]:
         fields["object_class"] = np.array(classes[len(seen) :], dtype=int)
     return fields
-
-
-def _covariances(rows: list[Row], kind: str) -> np.ndarray | None:
-    """The covariance of every row (n, d, d); None where no row has one."""
-    columns = COVARIANCES[kind]
-    if not any(row.text.get(column) for row in rows for column in columns):
-        return None
-    size = 3 if kind == "odometry" else 2
-    cov, upper = np.empty((len(rows), size, size)), np.triu_indices(size)
-    cov[:, *upper] = [row.numbers(*columns) for row in rows]
-    cov.swapaxes(1, 2)[:, *upper] = cov[:, *upper]
-    return cov
 
 
 def _by_name(rows: list[Row], names: list, column: str) -> dict:
@@ -190,7 +182,7 @@ def write_csv_log(path, fields: dict) -> None:
     stream = io.StringIO()
     kinds = [kind for kind in COVARIANCES if f"{kind}_cov" in fields]
     more = max((COVARIANCES[kind] for kind in kinds), key=len, default=())
-    beliefs = (BELIEFS,) if BELIEFS in fields else ()
+    beliefs = ((BELIEFS,) if BELIEFS in fields else ()) + ((SYMMETRY,) if "class_symmetry" in fields else ())
     writer = csv.DictWriter(stream, (*COLUMNS, *more, *beliefs), lineterminator="\n")
     writer.writeheader()
     writer.writerows(_written(fields))
@@ -201,33 +193,27 @@ def write_csv_log(path, fields: dict) -> None:
 def _written(fields: dict) -> Iterator[dict]:
     names = fields.get("class_names", np.arange(int(fields["num_classes"]))).tolist()
     objects = {UNKNOWN: "", CLUTTER: NO_OBJECT}
-    for kind in ("odometry_std", "observation_std"):
-        yield _row(kind, fields[kind])
-    yield from ({"kind": "class", "class": name} for name in names)
-    for time, (step, cov) in enumerate(zip(fields["odometry"], _written_details(fields, "odometry"), strict=True)):
+    thetas = fields.get("obs_theta", np.full(len(fields["obs_time"]), np.nan))
+    yield _row("odometry_std", fields["odometry_std"])
+    yield _row("observation_std", [*fields["observation_std"], fields.get("observation_theta_std", np.nan)])
+    symmetry = ({SYMMETRY: n} for n in fields["class_symmetry"]) if "class_symmetry" in fields else [{}] * len(names)
+    yield from ({"kind": "class", "class": name} | own for name, own in zip(names, symmetry, strict=True))
+    for time, (step, cov) in enumerate(zip(fields["odometry"], written_details(fields, "odometry"), strict=True)):
         yield _row("odometry", step, time=time) | cov
     true_object = fields.get("true_object", np.full(len(fields["obs_time"]), UNKNOWN)).tolist()
-    seen = zip(fields["obs_time"], fields["obs_xy"], fields["obs_class"], true_object, strict=True)
-    for (time, xy, c, k), cov in zip(seen, _written_details(fields, "observation"), strict=True):
+    seen = zip(
+        fields["obs_time"], np.column_stack([fields["obs_xy"], thetas]), fields["obs_class"], true_object, strict=True
+    )
+    for (time, xy, c, k), cov in zip(seen, written_details(fields, "observation"), strict=True):
         yield _row("observation", xy, time=time) | {"class": names[c], "object": objects.get(k, k)} | cov
     for time, pose in enumerate(fields.get("true_poses", ())):
         if not np.isnan(pose[:2]).any():
             yield _row("true_pose", pose, time=time)
     for k, xy in enumerate(fields.get("object_xy", ())):
-        yield _row("true_object", xy) | {"class": names[fields["object_class"][k]], "object": k}
-
-
-def _written_details(fields: dict, kind: str) -> list[dict]:
-    """For every row of a kind, what stands in the columns of its covariance and its classes, if it has them."""
-    cov = fields.get(f"{kind}_cov")
-    rows = [{} for _ in fields["odometry" if kind == "odometry" else "obs_xy"]]
-    if cov is not None:
-        upper = cov[:, *np.triu_indices(cov.shape[1])].tolist()
-        rows = [dict(zip(COVARIANCES[kind], map(repr, row), strict=True)) for row in upper]
-    if kind == "observation" and BELIEFS in fields:
-        beliefs = fields[BELIEFS].tolist()
-        rows = [row | {BELIEFS: " ".join(map(repr, own))} for row, own in zip(rows, beliefs, strict=True)]
-    return rows
+        yield _row("true_object", [*xy, *fields.get("object_theta", [])[k : k + 1]]) | {
+            "class": names[fields["object_class"][k]],
+            "object": k,
+        }
 
 
 def _row(kind: str, numbers, **more) -> dict:

@@ -81,8 +81,10 @@ def save_g2o(path, graph: PoseGraph) -> None:
 
     Raises:
         FileNotFoundError: the folder does not exist.
-        ValueError: the file cannot be written.
+        ValueError: the file cannot be written, or landmarks have headings (``pose_graph.positions_only`` drops them).
     """
+    if graph.landmarks.shape[1] == 3:
+        raise ValueError(f"{path}: expected landmarks without headings, for which .g2o has no vertex; got headings")
     pose_ids, landmark_ids = _ids(graph)
     seen, fixed = graph.observations, np.append(pose_ids[graph.fixed_poses], landmark_ids[graph.fixed_landmarks])
     with prefix_errors(path):

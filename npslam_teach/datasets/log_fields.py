@@ -10,8 +10,9 @@ from npslam_teach.types import UNKNOWN, GroundTruth, RobotLog, World
 from npslam_teach.validation import checked_array
 
 LOG_FIELDS = ("odometry", "obs_time", "obs_xy", "obs_class", "num_classes", "odometry_std", "observation_std")
-TRUTH_FIELDS = ("true_poses", "true_object", "object_xy", "object_class")
-OPTIONAL_FIELDS = ("odometry_cov", "observation_cov", "class_probabilities")
+TRUTH_FIELDS = ("true_poses", "true_object", "object_xy", "object_class", "object_theta")
+HEADING_FIELDS = ("obs_theta", "observation_theta_std", "class_symmetry")
+OPTIONAL_FIELDS = ("odometry_cov", "observation_cov", "class_probabilities", *HEADING_FIELDS)
 NAMES_FIELD = "class_names"
 FIELDS = (*LOG_FIELDS, *OPTIONAL_FIELDS, *TRUTH_FIELDS, NAMES_FIELD)
 
@@ -40,6 +41,9 @@ def doubts_about(log: RobotLog) -> list[str]:
     if turns.max(initial=0.0) > np.pi:
         turn = f"step {turns.argmax()} of odometry turns by {turns.max():.4g}"
         doubts.append(f"{turn}, more than half a turn: expected radians, are these degrees?")
+    if log.obs_theta is not None and np.abs(log.obs_theta).max(initial=0.0) > 2 * np.pi:
+        most = f"obs_theta goes up to {np.abs(log.obs_theta).max():.4g}"
+        doubts.append(f"{most}, more than a whole turn: expected radians, are these degrees?")
     rests, last = (log.odometry == 0).all(axis=1), log.num_poses - 1
     if rests.sum() == 1 and (rests[0] or rests[-1]) and last > 1 and log.obs_time.max(initial=0) < last:
         end = "first" if rests[0] else "last"
@@ -53,7 +57,7 @@ def doubts_about(log: RobotLog) -> list[str]:
 def fields_of(log: RobotLog, truth: GroundTruth | None) -> dict:
     """The same as arrays by name; of the truth, only what is known."""
     fields = {name: np.asarray(getattr(log, name)) for name in LOG_FIELDS}
-    fields |= {name: getattr(log, name) for name in OPTIONAL_FIELDS if getattr(log, name) is not None}
+    fields |= {name: np.asarray(getattr(log, name)) for name in OPTIONAL_FIELDS if getattr(log, name) is not None}
     names = log.class_names if truth is None else truth.world.class_names
     if names is not None:
         fields[NAMES_FIELD] = np.array(names, dtype=str)
@@ -61,6 +65,7 @@ def fields_of(log: RobotLog, truth: GroundTruth | None) -> dict:
         world = truth.world
         fields |= {"true_poses": truth.poses, "true_object": truth.obs_object}
         fields |= {"object_xy": world.object_xy, "object_class": world.object_class}
+        fields |= {} if world.object_theta is None else {"object_theta": world.object_theta}
     return fields
 
 
@@ -82,7 +87,7 @@ def _truth_from(fields: dict, log: RobotLog) -> GroundTruth | None:
     obs_object = checked_array("true_object", obs_object, (log.num_observations,), int)
     poses = _true_poses(fields.get("true_poses", np.full((log.num_poses, 3), np.nan)), log.num_poses)
     names = log.class_names or tuple(f"class {c}" for c in range(log.num_classes))
-    world = World(*_objects(fields, log, obs_object), names)
+    world = World(*_objects(fields, log, obs_object), names, fields.get("object_theta"))
     with prefix_errors("true_object"):
         return GroundTruth(world, poses, obs_object)
 

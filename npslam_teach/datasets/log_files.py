@@ -26,10 +26,11 @@ def load_log(path) -> tuple[RobotLog, GroundTruth | None]:
 
     A ``.npz`` log holds the fields of `RobotLog` under their names, ``class_names`` and the covariances of single steps
     (``odometry_cov``) and observations (``observation_cov``) and what each observation says of all classes
-    (``class_probabilities``) if it likes, and of the truth whatever is known:
-    ``true_poses`` (T, 3), or (T, 2) without headings, NaN where unknown; ``true_object`` (M,), -1 for clutter, -2 for
-    unknown; ``object_xy`` (K, 2) and ``object_class`` (K,). Other entries are ignored. A ``.csv`` log holds the same in
-    rows, see ``csv_files``; it is one file or a folder of them. A ``.mat`` file is one of the authors' two (see
+    (``class_probabilities``) and which way its object faces (``obs_theta``, ``observation_theta_std`` and
+    ``class_symmetry``) if it likes, and of the truth whatever is known: ``true_poses`` (T, 3), or (T, 2) without
+    headings, NaN where unknown; ``true_object`` (M,), -1 for clutter, -2 for unknown; ``object_xy`` (K, 2),
+    ``object_class`` (K,) and ``object_theta`` (K,). Other entries are ignored. A ``.csv`` log holds the same in rows,
+    see ``csv_files``; it is one file or a folder of them. A ``.mat`` file is one of the authors' two (see
     `load_mu2016_simulation` and `load_stata_office`); its variables tell which.
 
     Args:

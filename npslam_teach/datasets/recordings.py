@@ -83,7 +83,7 @@ def load_hidden(path) -> tuple[RobotLog, GroundTruth]:
         stds = [_typical_std(factors.information) for factors in (between, seen)]
         zeros = np.zeros(len(seen.pose), dtype=int)
         log = RobotLog(between.relative_pose[order], seen.pose, seen.xy, zeros, 1, *stds)
-        world = World(graph.landmarks, np.zeros(len(graph.landmarks), dtype=int), ("landmark",))
+        world = World(graph.landmark_xy, np.zeros(len(graph.landmarks), dtype=int), ("landmark",))
         return log, GroundTruth(world, graph.poses, seen.landmark)
 
 

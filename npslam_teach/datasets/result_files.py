@@ -46,7 +46,7 @@ def save_objects(path, snapshot: Snapshot, log: RobotLog) -> None:
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(["object", "x", "y", "class", "num_observations"])
-    for k, (xy, votes) in enumerate(zip(snapshot.graph.landmarks.tolist(), snapshot.votes[:, 1:], strict=True)):
+    for k, (xy, votes) in enumerate(zip(snapshot.graph.landmark_xy.tolist(), snapshot.votes[:, 1:], strict=True)):
         writer.writerow([k, *map(repr, xy), names[votes.argmax()], int(votes.sum())])
     with atomic_write(path) as file:
         file.write(stream.getvalue())

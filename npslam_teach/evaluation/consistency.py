@@ -32,7 +32,7 @@ def chi2_per_dof(graph: PoseGraph) -> float:
 
 def degrees_of_freedom(graph: PoseGraph) -> int:
     """Measured numbers minus unknowns."""
-    measured = 3 * len(graph.between.i) + 2 * len(graph.observations.pose)
+    measured = 3 * len(graph.between.i) + 2 * len(graph.observations.pose) + len(graph.headings.pose)
     return measured - unknowns_of(graph).count
 
 

@@ -4,7 +4,7 @@ None of them is an error. Each can be had cheaply at the price of another: one o
 and no valid object, one object for everything has every inlier. They must be read together.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -61,15 +61,13 @@ def valid_only(snapshot: Snapshot, false_positive_threshold: float) -> Snapshot:
     drop = np.zeros(len(snapshot.labels), dtype=bool)
     drop[used] = rejected[snapshot.labels[used]]
     kept = without_empty_objects(np.where(drop, -1, snapshot.labels), snapshot.graph.landmarks)
-    observations = snapshot.graph.observations
-    stays = ~rejected[observations.landmark]
-    number = np.cumsum(~rejected) - 1
-    observations = replace(
-        observations,
-        pose=observations.pose[stays],
-        landmark=number[observations.landmark[stays]],
-        xy=observations.xy[stays],
-        information=observations.information[stays],
-    )
-    graph = replace(snapshot.graph, landmarks=kept.landmarks, observations=observations)
+    factors = {name: _of_kept(getattr(snapshot.graph, name), rejected) for name in ("observations", "headings")}
+    graph = replace(snapshot.graph, landmarks=kept.landmarks, **factors)
     return replace(snapshot, labels=kept.labels, votes=snapshot.votes[~rejected], graph=graph)
+
+
+def _of_kept(factors, rejected: np.ndarray):
+    """Factors without those of rejected landmarks (K,), the others numbered anew."""
+    stays, number = ~rejected[factors.landmark], np.cumsum(~rejected) - 1
+    rows = {field.name: getattr(factors, field.name)[stays] for field in fields(factors)}
+    return replace(factors, **rows | {"landmark": number[rows["landmark"]]})

@@ -85,7 +85,7 @@ def distances_to_truth(snapshot: Snapshot, truth: GroundTruth) -> tuple[np.ndarr
         return np.zeros(0), np.zeros(0)
     pose_errors = np.linalg.norm(se2.apply(motion, snapshot.graph.poses[:, :2]) - truth.poses[:, :2], axis=1)
     used = (snapshot.labels >= 0) & (truth.obs_object >= 0)
-    landmarks = se2.apply(motion, snapshot.graph.landmarks)
+    landmarks = se2.apply(motion, snapshot.graph.landmark_xy)
     true_xy = truth.world.object_xy[truth.obs_object[used]]
     object_errors = np.linalg.norm(landmarks[snapshot.labels[used]] - true_xy, axis=1)
     return pose_errors[~np.isnan(pose_errors)], object_errors[~np.isnan(object_errors)]

@@ -5,7 +5,8 @@ them all. Every method begins with the same snapshot 0: dead reckoning, every ob
 Begin with ``np_graph``, the paper's; ``registry`` has a record of each, ``settings`` the constants of the paper and of
 other sensors; ``ekf`` is the filter of ``ekf_slam``, ``block_filter`` the same faster. ``soft_em`` lets an observation
 be of several objects, each with its probability. ``posterior`` goes past the paper: read ``tracklets``, ``annealing``
-and ``repair`` with it, and ``posterior_samples``. ``noise_estimate`` asks a log how noisy it is.
+and ``repair`` with it, and ``posterior_samples``. ``noise_estimate`` asks a log how noisy it is,
+``oriented`` has what the methods share about headings.
 """
 
 from npslam_teach.methods.ekf_slam import ekf_slam
@@ -13,6 +14,7 @@ from npslam_teach.methods.frame_by_frame import frame_by_frame
 from npslam_teach.methods.noise_estimate import NoiseEstimate, estimate_noise
 from npslam_teach.methods.np_graph import np_graph
 from npslam_teach.methods.open_loop import open_loop
+from npslam_teach.methods.oriented import without_headings
 from npslam_teach.methods.posterior import posterior
 from npslam_teach.methods.posterior_samples import PosteriorSamples, sample_posterior
 from npslam_teach.methods.registry import METHODS, Method
@@ -36,4 +38,5 @@ __all__ = [
     "sample_posterior",
     "settings_for",
     "soft_em",
+    "without_headings",
 ]

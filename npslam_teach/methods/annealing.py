@@ -17,6 +17,7 @@ from npslam_teach.association.partition_posterior import TrackletEvidence
 from npslam_teach.association.semantics import combined, floored, reports
 from npslam_teach.association.split_merge import merge_objects, split_or_merge
 from npslam_teach.methods.gating import frames_of
+from npslam_teach.methods.oriented import ChainHeadings
 from npslam_teach.pose_graph import levenberg_marquardt, observation_factors
 from npslam_teach.pose_graph.reduced_system import ReducedSystem, reduced_system
 from npslam_teach.types import PoseGraph, RobotLog
@@ -34,13 +35,15 @@ class Model(NamedTuple):
     rivals: np.ndarray  # (N, N) bool, pairs that cannot be one object
     alpha: float
     area: float  # m^2
+    headings: ChainHeadings | None = None  # of the observations, where they have any; the log is without
 
     def evidence(self, reduced: ReducedSystem) -> TrackletEvidence:
         """The linear model, with the prior."""
         counts = np.bincount(self.tracklet[self.tracklet >= 0], minlength=len(self.rivals))
         parts = reduced.constant, reduced.vector, reduced.information
         seen = None if self.log.class_probabilities is None else floored(reports_of(self.log, self.tracklet))
-        return TrackletEvidence(*parts, counts, self.rivals, self.alpha, self.area, seen)
+        facing = None if self.headings is None else self.headings.of_tracklets(self.tracklet)
+        return TrackletEvidence(*parts, counts, self.rivals, self.alpha, self.area, seen, facing)
 
     def of_observations(self, labels: np.ndarray) -> np.ndarray:
         """The object of each observation (M,), -1 = none, from that of each tracklet (N,)."""

@@ -15,9 +15,10 @@ from npslam_teach.association import in_order_of_sight
 from npslam_teach.association.semantics import class_distances, reports, updated_belief
 from npslam_teach.methods.block_filter import Belief
 from npslam_teach.methods.gating import GATE, NEW, NEW_GATE, UNASSIGNED, assign, frames_of, squared_gates
-from npslam_teach.methods.noise import observation_covariances, step_covariances, with_noise
+from npslam_teach.methods.noise import step_covariances, with_noise
+from npslam_teach.methods.oriented import sights
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
-from npslam_teach.pose_graph import observation_factors, odometry_factors
+from npslam_teach.pose_graph import heading_factors, observation_factors, odometry_factors, symmetries
 from npslam_teach.system.progress import track
 from npslam_teach.types import PoseGraph, RobotLog, Snapshot
 from npslam_teach.validation import checked_array
@@ -29,7 +30,7 @@ class FilterStep:
 
     time: int
     observations: np.ndarray  # (m,) indices into the log
-    prior_mean: np.ndarray  # (3 + 2K,) before the observations
+    prior_mean: np.ndarray  # (3 + 2K,) before the observations; (3 + 3K,) with headings
     prior_cov: np.ndarray  # (3 + 2K, 3 + 2K)
     object_class: np.ndarray  # (K,) of the objects known before, the most probable
     squared_distance: np.ndarray  # (m, K) Mahalanobis, squared, and of the classes; infinite where these rule it out
@@ -47,11 +48,11 @@ class FilterRecord:
     poses: np.ndarray  # (T, 3) W, each as it was filtered at its own time, and never corrected after
     pose_cov: np.ndarray  # (T, 3, 3)
     labels: np.ndarray  # (M,) the object, -1 = left out
-    landmarks: np.ndarray  # (K, 2) m, W, at the end
-    landmark_cov: np.ndarray  # (K, 2, 2) m^2, at the end
+    landmarks: np.ndarray  # (K, 2) m, W, at the end; (K, 3) with headings
+    landmark_cov: np.ndarray  # (K, 2, 2) m^2, at the end; (K, 3, 3) with headings
     squared_distance: np.ndarray  # (M,) Mahalanobis, to the matched object; NaN for new ones and those left out
     nis: np.ndarray  # (T,) y^T S^-1 y of all matches of a frame together; NaN without any
-    nis_dof: np.ndarray  # (T,) how many numbers y holds: two for every match
+    nis_dof: np.ndarray  # (T,) how many numbers y holds: two for every match, three with a heading
 
 
 def ekf_slam(
@@ -63,7 +64,8 @@ def ekf_slam(
     observations share an object; the sum of squared Mahalanobis distances is least, where an observation without an
     object costs as much as one at the gate. An observation outside the second gate of every object of its class becomes
     a new object. One in between is left out: either answer would be a guess, and a guess cannot be taken back. Where
-    the log has class probabilities, classes that agree less well add to the distance (``association.semantics``).
+    the log has class probabilities, classes that agree less well add to the distance (``association.semantics``). Where
+    it has headings, an object has three numbers, and the gates are of position and heading together.
 
     Args:
         log: what the robot measured.
@@ -82,7 +84,9 @@ def ekf_slam(
     yield initial_snapshot(log)
     record = run_filter(log, gate, new_gate)
     factors = odometry_factors(log), observation_factors(log, record.labels)
-    yield snapshot(log, 1, record.labels, PoseGraph(record.poses, record.landmarks, *factors))
+    headings = heading_factors(log, record.labels)
+    graph = PoseGraph(record.poses, record.landmarks, *factors, headings=headings)
+    yield snapshot(log, 1, record.labels, graph)
 
 
 def run_filter(log: RobotLog, gate: float = GATE, new_gate: float = NEW_GATE, **settings) -> FilterRecord:
@@ -93,14 +97,14 @@ def run_filter(log: RobotLog, gate: float = GATE, new_gate: float = NEW_GATE, **
     labels, distance = np.full(log.num_observations, UNASSIGNED), np.full(log.num_observations, np.nan)
     poses, pose_cov = np.empty((log.num_poses, 3)), np.empty((log.num_poses, 3, 3))
     nis, nis_dof = np.full(log.num_poses, np.nan), np.zeros(log.num_poses, dtype=int)
-    steps = filter_steps(log, gate, new_gate, **settings)
+    steps, told = filter_steps(log, gate, new_gate, **settings), symmetries(log) > 0
     for step in track(steps, log.num_poses, "ekf", "frames"):
         t, matched = step.time, np.flatnonzero(step.decision >= 0)
         labels[step.observations] = step.labels
         distance[step.observations[matched]] = step.squared_distance[matched, step.decision[matched]]
         poses[t], pose_cov[t] = step.mean[:3], step.cov[:3, :3]
-        nis[t], nis_dof[t] = step.nis, 2 * len(matched)
-    of_object = 3 + np.arange(len(step.mean) - 3).reshape(-1, 2)
+        nis[t], nis_dof[t] = step.nis, 2 * len(matched) + np.count_nonzero(told[step.observations[matched]])
+    of_object = 3 + np.arange(len(step.mean) - 3).reshape(-1, 2 if log.obs_theta is None else 3)
     landmark_cov = step.cov[of_object[:, :, None], of_object[:, None, :]]
     return FilterRecord(poses, pose_cov, labels, step.mean[of_object], landmark_cov, distance, nis, nis_dof)
 
@@ -130,10 +134,10 @@ def filter_steps(
         one step for every pose.
     """
     log = with_noise(log, odometry_std, observation_std)
-    step_cov, sight_cov = step_covariances(log), observation_covariances(log)
+    step_cov, (sight, sight_cov), symmetry = step_covariances(log), sights(log), symmetries(log)
     bounds, frames = squared_gates(gate, new_gate), frames_of(log)
     known_labels = None if labels is None else _in_order_of_sight(labels, frames)
-    seen_all, belief, classes = reports(log), Belief.at_origin(), np.zeros((0, log.num_classes))
+    seen_all, belief, classes = reports(log), Belief.at_origin(sight.shape[1]), np.zeros((0, log.num_classes))
     for time, observations in enumerate(frames):
         if time > 0:
             belief = belief.predicted(log.odometry[time - 1], step_cov[time - 1])
@@ -141,8 +145,8 @@ def filter_steps(
             yield _nothing_seen(time, belief, classes)
             continue
         prior, seen = belief, seen_all[observations]
-        xy, noise = log.obs_xy[observations], sight_cov[observations]
-        distance = prior.squared_distances(xy, noise)
+        fed = sight[observations], sight_cov[observations], symmetry[observations]
+        distance = prior.squared_distances(*fed)
         if known_labels is None:
             distance = distance + class_distances(seen, classes)
             decision = assign(distance, *bounds)
@@ -150,7 +154,7 @@ def filter_steps(
             decision = np.where(known_labels[observations] < len(classes), known_labels[observations], NEW)
         is_new = decision == NEW
         numbered = np.where(is_new, len(classes) + np.cumsum(is_new) - 1, decision)
-        belief, nis = _absorb(prior, decision, xy, noise)
+        belief, nis = _absorb(prior, decision, *fed)
         before, after = (prior.mean, prior.cov), (belief.mean, belief.cov)
         yield FilterStep(time, observations, *before, classes.argmax(axis=1), distance, decision, numbered, nis, *after)
         classes = _classes_after(classes, decision, seen, known_labels is not None)
@@ -172,13 +176,13 @@ def _classes_after(classes: np.ndarray, decision: np.ndarray, seen: np.ndarray, 
     return np.append(classes, updated_belief(np.zeros_like(seen[is_new]), seen[is_new]), axis=0)
 
 
-def _absorb(belief: Belief, decision: np.ndarray, xy: np.ndarray, noise: np.ndarray) -> tuple[Belief, float]:
+def _absorb(belief: Belief, decision: np.ndarray, *fed: np.ndarray) -> tuple[Belief, float]:
     """The belief after the matches and then the new objects of a frame; NIS of the matches, NaN without any."""
     matched, nis = decision >= 0, math.nan
     if matched.any():
-        belief, nis = belief.updated(decision[matched], xy[matched], noise[matched])
+        belief, nis = belief.updated(decision[matched], *(rows[matched] for rows in fed))
     for k in np.flatnonzero(decision == NEW):
-        belief = belief.with_new_object(xy[k], noise[k])
+        belief = belief.with_new_object(*(rows[k] for rows in fed))
     return belief, nis
 
 

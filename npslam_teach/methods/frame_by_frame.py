@@ -5,6 +5,7 @@ It is the start of every other method, and their yardstick: as many objects as o
 
 from collections.abc import Iterator
 
+from npslam_teach.methods.oriented import without_headings
 from npslam_teach.methods.snapshots import PAPER_OBSERVATION_STD, PAPER_ODOMETRY_STD, initial_snapshot
 from npslam_teach.types import RobotLog, Snapshot
 
@@ -19,4 +20,4 @@ def frame_by_frame(
         odometry_std: (3,) m, m, rad: standard deviations that chi2 is measured with.
         observation_std: (2,) m.
     """
-    yield initial_snapshot(log, odometry_std, observation_std)
+    yield initial_snapshot(without_headings(log), odometry_std, observation_std)

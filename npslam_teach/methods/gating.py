@@ -69,8 +69,19 @@ def squared_mahalanobis(innovation: np.ndarray, innovation_cov: np.ndarray) -> n
     return (innovation * whitened).sum(axis=-1)
 
 
+def as_two_degrees(squared: np.ndarray) -> np.ndarray:
+    """The squared distance with two degrees of freedom that is as improbable as these (...) are with three.
+
+    So one gate serves for what is measured with and without a heading. The share of chi-squared beyond q is
+    ``exp(-q / 2)`` for two, and ``erfc(sqrt(q / 2)) + sqrt(2 q / pi) exp(-q / 2)`` for three.
+    """
+    from scipy.special import erfcx
+
+    return squared - 2 * np.log(erfcx(np.sqrt(squared / 2)) + np.sqrt(2 * squared / np.pi))
+
+
 def squared_residuals(log: RobotLog, which, poses: np.ndarray, landmarks: np.ndarray) -> np.ndarray:
-    """How far observations lie from where landmarks would be seen, squared, in standard deviations.
+    """How far observations lie from where landmarks would be seen, squared, in standard deviations; headings left out.
 
     Args:
         log: what was measured; the noise of each observation counts.
@@ -78,7 +89,7 @@ def squared_residuals(log: RobotLog, which, poses: np.ndarray, landmarks: np.nda
         poses: (T, 3) W.
         landmarks: (..., 2) m, W, one for each or many for all of them.
     """
-    off = log.obs_xy[which] - se2.apply_inverse(poses[log.obs_time[which]], landmarks)
+    off = log.obs_xy[which] - se2.apply_inverse(poses[log.obs_time[which]], landmarks[..., :2])
     if log.observation_cov is None:
         return ((off / log.observation_std) ** 2).sum(axis=-1)
     return squared_mahalanobis(off, log.observation_cov[which])

@@ -135,7 +135,8 @@ def residual_squares(graph: PoseGraph, most: int = 300) -> tuple[np.ndarray, np.
         (2,) sums of squares; (2,) how many measured numbers are not used up by the fit.
     """
     squares, free = np.zeros(2), np.zeros(2)
-    for k, (kind, leverage) in enumerate(zip(FACTOR_KINDS, mean_leverages(graph, most), strict=True)):
+    of_positions = zip((kind for kind in FACTOR_KINDS if kind.displaces), mean_leverages(graph, most), strict=False)
+    for k, (kind, leverage) in enumerate(of_positions):
         off = kind.residuals(graph)
         squares[k] = np.einsum("ei,eij,ej->", off, kind.information(graph), off)
         free[k] = len(off) * np.sum(1 - leverage)

@@ -18,6 +18,7 @@ from npslam_teach.association import (
     sweep,
     without_empty_objects,
 )
+from npslam_teach.methods.oriented import kernel_heading_std, seen_headings
 from npslam_teach.methods.snapshots import PAPER_OBSERVATION_STD, PAPER_ODOMETRY_STD, initial_snapshot, snapshot
 from npslam_teach.pose_graph import optimize, with_associations
 from npslam_teach.types import PoseGraph, RobotLog, Snapshot
@@ -38,6 +39,7 @@ def np_graph(
     area: float = 1.0,
     false_positive_threshold: float = 0.5,
     exclusive: bool = False,
+    heading_std: float | None = None,
 ) -> Iterator[Snapshot]:
     """Find associations, number of objects, map and trajectory together.
 
@@ -54,6 +56,8 @@ def np_graph(
         false_positive_threshold: epsilon; 0.5, the authors' simulation, keeps every object (see
             ``association.false_positives``).
         exclusive: whether two observations of one frame are always of two objects; the paper's rule is without.
+        heading_std: rad, of a log with headings: the width of their kernel, and what the solver assumes of one. None:
+            as many standard deviations of the sensor as the paper's kernel has (``oriented.KERNEL_WIDTHS``).
 
     Yields:
         the frame-by-frame start, then one snapshot per alternation, and one more if false positives were removed (its
@@ -61,11 +65,13 @@ def np_graph(
     """
     require_rule(alpha, threshold, kernel_std)
     _require_settings(iterations, area, false_positive_threshold)
-    current = initial_snapshot(log, odometry_std, observation_std, alpha, area)
+    heading_std = kernel_heading_std(log, heading_std)
+    rule = alpha, threshold, kernel_std, order, observation_std, exclusive, heading_std
+    current = initial_snapshot(log, odometry_std, observation_std, alpha, area, heading_std)
     yield current
     for iteration in range(1, int(iterations) + 1):
         # Half a step: who is who, the trajectory and the map held still.
-        labels, graph = associate_anew(log, current, alpha, threshold, kernel_std, order, observation_std, exclusive)
+        labels, graph = associate_anew(log, current, *rule)
         # The other half: where everything is, the associations held still.
         same = same_partition(current.labels, labels)
         current = snapshot(log, iteration, labels, optimize(graph), alpha, area)
@@ -74,7 +80,7 @@ def np_graph(
             break
     rejected = false_positives(current.votes, false_positive_threshold)
     if rejected.any():
-        yield _without_objects(log, current, rejected, observation_std, alpha, area)
+        yield _without_objects(log, current, rejected, (observation_std, heading_std), alpha, area)
 
 
 def associate_anew(
@@ -86,6 +92,7 @@ def associate_anew(
     order: str | np.ndarray = "last-to-first",
     observation_std=PAPER_OBSERVATION_STD,
     exclusive: bool = False,
+    heading_std: float | None = None,
 ) -> tuple[np.ndarray, PoseGraph]:
     """The first half of an alternation: one sweep, the trajectory and the map held still.
 
@@ -95,12 +102,12 @@ def associate_anew(
         (M,) labels, and the graph tied to them that the second half is to solve.
     """
     obs_xy_world = se2.apply(current.graph.poses[log.obs_time], log.obs_xy)
+    heading_std = kernel_heading_std(log, heading_std)
     present = current.labels, current.graph.landmarks, obs_xy_world, log.obs_class
-    if exclusive:
-        found = exclusive_sweep(*present, log.obs_time, alpha, threshold, kernel_std, order)
-    else:
-        found = sweep(*present, alpha, threshold, kernel_std, order)
-    return found.labels, with_associations(log, current.graph, found.labels, found.landmarks, observation_std)
+    rule = alpha, threshold, kernel_std, order, seen_headings(log, current.graph.poses, heading_std)
+    found = exclusive_sweep(*present, log.obs_time, *rule) if exclusive else sweep(*present, *rule)
+    tied = found.labels, found.landmarks, observation_std, heading_std
+    return found.labels, with_associations(log, current.graph, *tied)
 
 
 def half_steps(
@@ -125,7 +132,8 @@ def half_steps(
     Returns:
         1 + 2 * rounds snapshots or fewer; their iterations count half-steps.
     """
-    snapshots = [initial_snapshot(log, odometry_std, observation_std, alpha)]
+    heading_std = kernel_heading_std(log, None)
+    snapshots = [initial_snapshot(log, odometry_std, observation_std, alpha, heading_std=heading_std)]
     for half_step in range(1, 2 * rounds + 1, 2):
         before = snapshots[-1]
         labels, graph = associate_anew(log, before, alpha, observation_std=observation_std)
@@ -136,11 +144,11 @@ def half_steps(
     return snapshots
 
 
-def _without_objects(log, current, rejected, observation_std, alpha, area) -> Snapshot:
+def _without_objects(log, current, rejected, stds, alpha, area) -> Snapshot:
     """Take away rejected objects (K,) bool with their observations, and solve once more."""
     labels = np.where(rejected[current.labels], -1, current.labels)
     kept = without_empty_objects(labels, current.graph.landmarks)
-    graph = optimize(with_associations(log, current.graph, kept.labels, kept.landmarks, observation_std))
+    graph = optimize(with_associations(log, current.graph, kept.labels, kept.landmarks, *stds))
     return snapshot(log, current.iteration + 1, kept.labels, graph, alpha, area)
 
 

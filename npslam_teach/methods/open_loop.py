@@ -10,6 +10,7 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.association import PAPER_KERNEL_STD, association_weights, require_kernel
+from npslam_teach.methods.oriented import without_headings
 from npslam_teach.methods.snapshots import PAPER_OBSERVATION_STD, PAPER_ODOMETRY_STD, initial_snapshot, snapshot
 from npslam_teach.pose_graph import mean_landmarks, with_associations
 from npslam_teach.system.progress import track
@@ -37,6 +38,7 @@ def open_loop(
         the frame-by-frame start, and the result.
     """
     require_kernel(threshold, kernel_std)
+    log = without_headings(log)
     first = initial_snapshot(log, odometry_std, observation_std)
     yield first
     obs_xy_world = se2.apply(first.graph.poses[log.obs_time], log.obs_xy)

@@ -7,6 +7,8 @@ apart, and how far drift may have carried them apart. It has no kernel and no th
 1. ``tracklets``: the observations of one pass over one object.
 2. ``pose_graph.reduced_system``: chi2 as a quadratic form in the positions of the tracklets, all poses eliminated.
 3. ``annealing``: Gibbs moves and split-merge moves (``association.gibbs``), from hot to cold, several times.
+   Headings count object by object: how well those of its tracklets agree, the error of the robot's own heading being
+   the random walk of the odometry (``oriented.ChainHeadings``); trajectory and map are of positions until the end.
 4. ``repair``: observations looked at again with the whole map at hand, and those that were left out. For logs of few
    observations ``polish`` instead: every near rival judged around its own solution.
 """
@@ -20,6 +22,7 @@ from npslam_teach import se2
 from npslam_teach.association import first_observations, require_alpha, same_partition
 from npslam_teach.methods.annealing import COLD, TEMPERATURES, Model, State, anneal, rivals_of, settled
 from npslam_teach.methods.noise import with_noise
+from npslam_teach.methods.oriented import ChainHeadings, without_headings
 from npslam_teach.methods.partition_score import with_whole_tracklets, without_displaced
 from npslam_teach.methods.polish import MARGIN, polished
 from npslam_teach.methods.repair import classes_of, confirmed, cut_in_two, pieces, reassigned
@@ -88,13 +91,15 @@ def start_model(log: RobotLog, alpha: float = 1.0, area: float | None = None) ->
     """
     few = log.num_observations <= FEW
     tracklet = np.arange(log.num_observations) if few else tied_both_ways(log)
+    headings, log = ChainHeadings.of_log(log), without_headings(log)
     graph = fit(log, tracklet)
-    return Model(log, tracklet, rivals_of(log, tracklet), alpha, box_area(graph) if area is None else area), graph
+    area = box_area(graph) if area is None else area
+    return Model(log, tracklet, rivals_of(log, tracklet), alpha, area, headings), graph
 
 
 def box_area(graph: PoseGraph) -> float:
     """The area in m^2 of the box around path and landmarks; of a line, that of the square above it."""
-    places = np.concatenate([graph.poses[:, :2], graph.landmarks])
+    places = np.concatenate([graph.poses[:, :2], graph.landmark_xy])
     width, height = np.sort(np.ptp(places, axis=0))[::-1]
     return float(width * (height if height > 1e-3 * width else width)) or 1.0
 
@@ -207,6 +212,6 @@ def in_time(log: RobotLog) -> tuple[RobotLog, np.ndarray]:
     """The log with its observations in the order of the poses, in a frame by place; (M,) the way back."""
     order = np.lexsort((log.obs_xy[:, 1], log.obs_xy[:, 0], log.obs_time))
     fields = {name: getattr(log, name)[order] for name in ("obs_time", "obs_xy", "obs_class")}
-    optional = {name: getattr(log, name) for name in ("observation_cov", "class_probabilities")}
+    optional = {name: getattr(log, name) for name in ("observation_cov", "class_probabilities", "obs_theta")}
     fields |= {name: values[order] for name, values in optional.items() if values is not None}
     return replace(log, **fields), np.argsort(order)

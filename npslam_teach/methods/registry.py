@@ -24,6 +24,7 @@ class Method:
     assumes: str  # what a reader of its answer must know, in a clause
     has_objective: bool = False  # whether it lowers ``association.objective``
     sees_classes: bool = False  # whether ``RobotLog.class_probabilities`` have an effect
+    sees_headings: bool = False  # whether ``RobotLog.obs_theta`` has
     in_paper: bool = True  # whether the paper compares it
 
     def __call__(self, log: RobotLog, **settings) -> Iterator[Snapshot]:
@@ -51,6 +52,7 @@ _ALL = (
         {"color": "#00659f", "linestyle": "-", "marker": "o"},
         "every observation is of a real object that stands still (clutter becomes objects), and no class is confused",
         has_objective=True,
+        sees_headings=True,
     ),
     Method(
         "robust-slam",
@@ -78,6 +80,7 @@ _ALL = (
         "the log's noise is right, and no class is confused beyond the log's class probabilities; clutter far from "
         "every object becomes one",
         sees_classes=True,
+        sees_headings=True,
         in_paper=False,
     ),
     Method(
@@ -97,6 +100,7 @@ _ALL = (
         "confused beyond the log's class probabilities, and two observations of a frame are two objects; what is seen "
         "once only is taken for clutter",
         sees_classes=True,
+        sees_headings=True,
         in_paper=False,
     ),
 )

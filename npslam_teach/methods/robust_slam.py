@@ -16,6 +16,7 @@ from npslam_teach.association import (
     require_kernel,
     without_empty_objects,
 )
+from npslam_teach.methods.oriented import without_headings
 from npslam_teach.methods.snapshots import PAPER_OBSERVATION_STD, PAPER_ODOMETRY_STD, initial_snapshot, snapshot
 from npslam_teach.pose_graph import mean_landmarks, optimize, with_associations
 from npslam_teach.system.progress import track
@@ -43,6 +44,7 @@ def robust_slam(
         the frame-by-frame start, and the result; observations that were left out have label -1.
     """
     require_kernel(threshold, kernel_std)
+    log = without_headings(log)
     first = initial_snapshot(log, odometry_std, observation_std)
     yield first
     obs_xy_world = se2.apply(first.graph.poses[log.obs_time], log.obs_xy)

@@ -4,7 +4,7 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.association import count_votes, objective
-from npslam_teach.pose_graph import chi2, observation_factors, odometry_factors
+from npslam_teach.pose_graph import chi2, observation_factors, odometry_factors, with_headings
 from npslam_teach.types import PoseGraph, RobotLog, Snapshot
 
 PAPER_ODOMETRY_STD = (0.1, 0.1, 0.1)  # m, m, rad: what the authors' solver assumes per step
@@ -12,20 +12,26 @@ PAPER_OBSERVATION_STD = (0.5, 0.5)  # m: and per observation; the sensor itself 
 
 
 def initial_snapshot(
-    log: RobotLog, odometry_std=None, observation_std=None, alpha: float | None = None, area: float = 1.0
+    log: RobotLog,
+    odometry_std=None,
+    observation_std=None,
+    alpha: float | None = None,
+    area: float = 1.0,
+    heading_std: float | None = None,
 ) -> Snapshot:
     """Snapshot 0: dead reckoning from the origin, and every observation an object where it was seen.
 
-    Args: as in ``snapshot``; the standard deviations, (3,) and (2,), are what chi2 is measured with; None: the log's.
+    Args: as in ``snapshot``; the standard deviations, (3,), (2,) and of headings, are what chi2 is measured with; None:
+        the log's.
     """
-    poses = se2.dead_reckoning(log.odometry)
+    poses, labels = se2.dead_reckoning(log.odometry), np.arange(log.num_observations)
     graph = PoseGraph(
         poses=poses,
         landmarks=se2.apply(poses[log.obs_time], log.obs_xy),
         between=odometry_factors(log, odometry_std),
-        observations=observation_factors(log, np.arange(log.num_observations), observation_std),
+        observations=observation_factors(log, labels, observation_std),
     )
-    return snapshot(log, 0, np.arange(log.num_observations), graph, alpha, area)
+    return snapshot(log, 0, labels, with_headings(log, graph, labels, graph.landmarks, heading_std), alpha, area)
 
 
 def snapshot(

@@ -32,6 +32,7 @@ from npslam_teach.methods.gating import (
     squared_residuals,
 )
 from npslam_teach.methods.noise import observation_covariances, with_noise
+from npslam_teach.methods.oriented import without_headings
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
 from npslam_teach.pose_graph import fit, optimize, with_associations
 from npslam_teach.pose_graph.reduced_system import reduced_system
@@ -83,7 +84,7 @@ def soft_em(
         raise ValueError(f"iterations: expected a positive integer, got {iterations}")
     gates = gate, max(gate, NEW_GATE)
     bound, _ = squared_gates(*gates)
-    log = with_noise(log, odometry_std, observation_std)
+    log = with_noise(without_headings(log), odometry_std, observation_std)
     yield initial_snapshot(log)
     if log.num_observations == 0:
         return

@@ -25,6 +25,7 @@ from npslam_teach.methods.gating import (
     squared_mahalanobis,
 )
 from npslam_teach.methods.noise import block_diagonal, observation_covariances, step_covariances
+from npslam_teach.methods.oriented import Headings
 from npslam_teach.types import RobotLog
 
 LONGEST_GAP = 10  # poses out of sight after which an object is forgotten
@@ -47,7 +48,7 @@ def tracklets(
     """
     gates, step_cov = squared_gates(gate, new_gate), step_covariances(log)
     sight_cov = observation_covariances(log)
-    seen_all = reports(log)
+    seen_all, facing_all = reports(log), Headings.of_log(log)
     labels, count = np.full(log.num_observations, UNASSIGNED), 0
     nearby = _Surroundings.empty(log.num_classes)
     for time, observations in enumerate(frames_of(log)):
@@ -56,13 +57,17 @@ def tracklets(
         if len(observations) == 0:
             continue
         xy, seen, noise = log.obs_xy[observations], seen_all[observations], sight_cov[observations]
-        decision = assign(nearby.squared_distances(xy, noise) + class_distances(seen, nearby.classes), *gates)
+        facing = facing_all.of(observations)
+        squared = nearby.facing.with_positions(nearby.squared_distances(xy, noise), facing)
+        decision = assign(squared + class_distances(seen, nearby.classes), *gates)
         matched, is_new = decision >= 0, decision == NEW
         labels[observations[matched]] = nearby.tracklet[decision[matched]]
         labels[observations[is_new]] = count + np.arange(np.count_nonzero(is_new))
         count += np.count_nonzero(is_new)
         nearby = nearby.updated(decision[matched], xy[matched], seen[matched], noise[matched], time)
         nearby = nearby.joined_by(labels[observations[is_new]], xy[is_new], seen[is_new], noise[is_new], time)
+        facing = nearby.facing.updated(decision[matched], facing.of(matched)).joined_by(facing.of(is_new))
+        nearby = replace(nearby, facing=facing)
     return labels
 
 
@@ -112,11 +117,13 @@ class _Surroundings:
     last_seen: np.ndarray  # (K,) pose
     xy: np.ndarray  # (K, 2) m
     cov: np.ndarray  # (2K, 2K) m^2
+    facing: Headings  # of the K objects
 
     @classmethod
     def empty(cls, num_classes: int):
         nothing = np.zeros(0, dtype=int)
-        return cls(nothing, np.zeros((0, num_classes)), nothing, np.zeros((0, 2)), np.zeros((0, 0)))
+        facing = Headings(np.zeros(0), np.zeros(0), nothing)
+        return cls(nothing, np.zeros((0, num_classes)), nothing, np.zeros((0, 2)), np.zeros((0, 0)), facing)
 
     def after_step(self, step: np.ndarray, step_cov: np.ndarray) -> "_Surroundings":
         """The same objects from the next pose; the error of the step is common to them all."""
@@ -132,7 +139,7 @@ class _Surroundings:
         by_step[:, :, 2] = np.column_stack([xy[:, 1], -xy[:, 0]])
         by_step = by_step.reshape(-1, 3)
         cov = turned + by_step @ step_cov @ by_step.T
-        return replace(self, xy=xy, cov=cov)
+        return replace(self, xy=xy, cov=cov, facing=self.facing.after_turn(step[2], step_cov[2, 2]))
 
     def seen_since(self, time: int) -> "_Surroundings":
         """Without those that were seen last before a pose."""
@@ -141,7 +148,7 @@ class _Surroundings:
             return self
         both = (2 * kept[:, None] + [0, 1]).ravel()
         fields = self.tracklet[kept], self.classes[kept], self.last_seen[kept]
-        return _Surroundings(*fields, self.xy[kept], self.cov[np.ix_(both, both)])
+        return _Surroundings(*fields, self.xy[kept], self.cov[np.ix_(both, both)], self.facing.of(kept))
 
     def squared_distances(self, xy: np.ndarray, noise: np.ndarray) -> np.ndarray:
         """Squared Mahalanobis distance of observations (m, 2), noise (m, 2, 2), to the objects, (m, K)."""
@@ -171,4 +178,6 @@ class _Surroundings:
         cov[:old, :old], cov[old:, old:] = self.cov, block_diagonal(noise)
         last_seen = np.append(self.last_seen, np.full(len(tracklet), time))
         ids, classes = np.append(self.tracklet, tracklet), np.concatenate([self.classes, normalised(seen)])
-        return _Surroundings(ids, classes, last_seen, np.concatenate([self.xy, xy]), cov)
+        return replace(
+            self, tracklet=ids, classes=classes, last_seen=last_seen, xy=np.concatenate([self.xy, xy]), cov=cov
+        )

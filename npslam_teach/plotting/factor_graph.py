@@ -39,14 +39,14 @@ def odometry_segments(graph: PoseGraph) -> np.ndarray:
 def observation_segments(graph: PoseGraph) -> np.ndarray:
     """The lines (M, 2, 2) m, W, from pose to object, of the observation factors."""
     observations = graph.observations
-    return np.stack([graph.poses[observations.pose, :2], graph.landmarks[observations.landmark]], axis=1)
+    return np.stack([graph.poses[observations.pose, :2], graph.landmark_xy[observations.landmark]], axis=1)
 
 
 def residual_segments(graph: PoseGraph) -> np.ndarray:
     """The residuals of the observations, (M, 2, 2) m, W: from where an observation lands to its object."""
     observations = graph.observations
     landed = se2.apply(graph.poses[observations.pose], observations.xy)
-    return np.stack([landed, graph.landmarks[observations.landmark]], axis=1)
+    return np.stack([landed, graph.landmark_xy[observations.landmark]], axis=1)
 
 
 def plot_factor_graph(
@@ -68,7 +68,7 @@ def plot_factor_graph(
         square = {"linestyle": "none", "marker": "s", "markersize": 4, "zorder": style["zorder"]}
         ax.plot(*segments.mean(axis=1).T, color=style["colors"], **square)
     ax.add_collection(LineCollection(residual_segments(graph), **RESIDUAL_LINE))
-    plot_objects(ax, graph.landmarks, object_class, class_names)
+    plot_objects(ax, graph.landmark_xy, object_class, class_names)
     _name_poses(ax, graph.poses)
     ax.margins(0.1)
     return label_map(ax, title)

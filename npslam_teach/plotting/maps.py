@@ -165,7 +165,7 @@ def classes_of(snapshot: Snapshot) -> np.ndarray:
 
 def laid_over_truth(snapshot: Snapshot, truth: GroundTruth | None) -> tuple[np.ndarray, np.ndarray]:
     """Poses (T, 3) and objects (K, 2), moved rigidly to fit the true path best; as they are without a truth."""
-    poses, landmarks = snapshot.graph.poses, snapshot.graph.landmarks
+    poses, landmarks = snapshot.graph.poses, snapshot.graph.landmark_xy
     motion = None if truth is None else align_to_truth(poses, truth)
     if motion is None:
         return poses, landmarks

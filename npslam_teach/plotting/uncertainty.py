@@ -71,10 +71,10 @@ def plot_uncertainty(
     ax.plot(*graph.poses[:, :2].T, **POSE | {"linestyle": "-", "linewidth": 1.2, "markersize": 5})
     for xy, cov in zip(graph.poses[:, :2], pose_cov, strict=True):
         ax.add_patch(ellipse(xy, cov[:2, :2], edgecolor=ESTIMATE_COLOR, facecolor="none", linewidth=1.2, zorder=1.9))
-    for xy, cov, c in zip(graph.landmarks, landmark_cov, object_class, strict=True):
+    for xy, cov, c in zip(graph.landmark_xy, landmark_cov[:, :2, :2], object_class, strict=True):
         color = class_style(c)[0]
         ax.add_patch(ellipse(xy, cov, edgecolor=color, facecolor=color + "30", linewidth=1.5, zorder=1.7))
-    plot_objects(ax, graph.landmarks, object_class, class_names)
+    plot_objects(ax, graph.landmark_xy, object_class, class_names)
     ax.margins(0.05)
     return label_map(ax, title)
 

@@ -3,7 +3,8 @@
 ``gauss_newton`` is the loop of the lecture: begin there. ``levenberg_marquardt`` is the robust one, ``multi_start``
 runs it from several starts for ``optimize``. ``residuals`` has the mathematics of the factors, ``factor_kinds`` their
 list, ``unknowns`` says which number of a step is which, ``linearization`` makes the normal equations,
-``known_association`` the graph of a log and its labels. ``covariance`` says how certain the result is,
+``known_association`` the graph of a log and its labels, ``object_headings`` which way its objects face.
+``covariance`` says how certain the result is,
 ``observability`` whether there is one, ``certificate`` whether another could be better. Where to start:
 ``initialization`` from headings, ``spanning_tree`` from odometry, ``relaxation`` from everything at once.
 ``incremental`` says how a graph grows. ``block_sparsity``, ``factorization``, ``fill_in`` and ``complex_form`` are the
@@ -26,10 +27,19 @@ from npslam_teach.pose_graph.known_association import (
 from npslam_teach.pose_graph.levenberg_marquardt import levenberg_marquardt
 from npslam_teach.pose_graph.linearization import chi2, linearize
 from npslam_teach.pose_graph.multi_start import Optimum, certified_minimum, given_start, minimize, optimize
+from npslam_teach.pose_graph.object_headings import (
+    heading_factors,
+    mean_headings,
+    positions_only,
+    symmetries,
+    with_headings,
+)
 from npslam_teach.pose_graph.relaxation import relaxed_start
 from npslam_teach.pose_graph.residuals import (
     between_jacobians,
     between_residual,
+    heading_jacobians,
+    heading_residual,
     observation_jacobians,
     observation_residual,
 )
@@ -51,11 +61,15 @@ __all__ = [
     "factor_pattern",
     "fit",
     "gauss_newton",
+    "heading_factors",
+    "heading_jacobians",
+    "heading_residual",
     "in_three_orders",
     "joint_covariance",
     "levenberg_marquardt",
     "linearize",
     "marginal_covariance",
+    "mean_headings",
     "mean_landmarks",
     "mean_leverages",
     "minimize",
@@ -66,8 +80,11 @@ __all__ = [
     "given_start",
     "odometry_start",
     "optimize",
+    "positions_only",
     "relaxed_start",
     "retract",
     "squared_radius",
+    "symmetries",
     "with_associations",
+    "with_headings",
 ]

@@ -65,10 +65,13 @@ def certify(graph: PoseGraph) -> Certificate:
     """Bound how much lower than at this estimate chi2 could be elsewhere.
 
     Args:
-        graph: at a minimum of chi2. The bound holds for any estimate, but away from a minimum it says little.
+        graph: at a minimum of chi2. The bound holds for any estimate, but away from a minimum it says little. Of a
+            graph whose landmarks have headings nothing is known: headings that look alike are no one quadratic.
     """
     graph = _about_what_is_fixed(graph)
     at, layout = residuals(graph), layout_of(graph)
+    if len(graph.headings.pose):
+        return Certificate(at.chi2, at.chi2, -np.inf)
     quadratic = _quadratic_below(graph, layout, at.by_kind)
     y, num_headings = layout.y, layout.num_headings
     # A solver stops a little before the minimum. To the headings where it stopped, the best positions are known.
@@ -100,6 +103,8 @@ def _quadratic_below(graph: PoseGraph, layout: Layout, by_kind: tuple[np.ndarray
     """
     form = QuadraticForm()
     for kind, residual in zip(FACTOR_KINDS, by_kind, strict=True):
+        if not kind.displaces:
+            continue
         (a, b), information = kind.ends(graph), kind.information(graph)
         slope = np.einsum("eij,ej->ei", information, residual)
         weight, heading_weight = isotropic_part(information)

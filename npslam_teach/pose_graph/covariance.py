@@ -29,12 +29,12 @@ def marginal_covariance(graph: PoseGraph, poses=(), landmarks=()) -> tuple[np.nd
         numpy.linalg.LinAlgError: when a pose or landmark is not determined by the factors.
 
     Returns:
-        (P, 3, 3) m, m, rad in W and (L, 2, 2) m in W.
+        (P, 3, 3) m, m, rad in W and (L, 2, 2) m in W; (L, 3, 3) of landmarks with headings.
     """
     poses = checked_index("poses", poses, len(graph.poses))
     landmarks = checked_index("landmarks", landmarks, len(graph.landmarks))
-    solve, unknowns = _solver_of(graph), unknowns_of(graph)
-    of_poses, of_landmarks = unknowns.of("poses", poses, 3), unknowns.of("landmarks", landmarks, 2)
+    solve, unknowns, size = _solver_of(graph), unknowns_of(graph), graph.landmarks.shape[1]
+    of_poses, of_landmarks = unknowns.of("poses", poses, 3), unknowns.of("landmarks", landmarks, size)
     return _inverse_blocks(solve, of_poses, unknowns.count), _inverse_blocks(solve, of_landmarks, unknowns.count)
 
 
@@ -122,6 +122,9 @@ def mean_leverages(graph: PoseGraph, most: int = 300) -> list[np.ndarray]:
     solve, unknowns, found = _solver_of(graph), unknowns_of(graph), []
     for kind in FACTOR_KINDS:
         ends, information = kind.ends(graph), kind.information(graph)
+        if len(information) == 0:
+            found.append(np.zeros(information.shape[1]))
+            continue
         some = np.unique(np.linspace(0, len(information) - 1, min(len(information), most)).astype(int))
         jacobians = np.zeros((len(some), information.shape[1], unknowns.count))
         for end, jacobian in zip(ends, kind.jacobians(*(end.estimate[some] for end in ends)), strict=True):
@@ -131,5 +134,5 @@ def mean_leverages(graph: PoseGraph, most: int = 300) -> list[np.ndarray]:
             jacobians[rows, numbers, where[free][:, None]] = jacobian[free]
         solved = solve(jacobians.reshape(-1, unknowns.count).T).T.reshape(jacobians.shape)
         leverage = (jacobians * solved).sum(axis=2) * np.diagonal(information[some], axis1=1, axis2=2)
-        found.append(leverage.mean(axis=0) if len(some) else np.zeros(information.shape[1]))
+        found.append(leverage.mean(axis=0))
     return found

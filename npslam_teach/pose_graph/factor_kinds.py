@@ -1,8 +1,8 @@
 """The kinds of factor that a pose graph may hold, as a list that everything else runs over.
 
 A new kind is a new entry: where its factors stand in the graph, which variables they tie together, its residual and its
-Jacobians. Every kind measures a variable in the frame of a pose: the first two numbers of its residual are
-``R(theta_a)^T (p_b - p_a)`` minus what was measured.
+Jacobians. Every kind measures a variable in the frame of a pose. Where it *displaces*, the first two numbers of its
+residual are ``R(theta_a)^T (p_b - p_a)`` minus what was measured; else its residual is linear, but for the wrapping.
 """
 
 from collections.abc import Callable
@@ -13,6 +13,8 @@ import numpy as np
 from npslam_teach.pose_graph.residuals import (
     between_jacobians,
     between_residual,
+    heading_jacobians,
+    heading_residual,
     observation_jacobians,
     observation_residual,
 )
@@ -31,11 +33,12 @@ class FactorKind(NamedTuple):
     """One kind of factor between a variable a and a variable b."""
 
     name: str  # of its factors in ``PoseGraph``
-    measured: str  # the field that holds what was measured
+    measured: tuple[str, ...]  # the fields that hold what was measured
     end_a: tuple[str, str]  # the variable, and the field that holds its index
     end_b: tuple[str, str]
-    residual: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+    residual: Callable[..., np.ndarray]  # of the estimates a and b and of what was measured
     jacobians: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
+    displaces: bool = True
 
     def ends(self, graph: PoseGraph) -> tuple[End, End]:
         """Both ends of all factors of this kind, a first."""
@@ -46,8 +49,10 @@ class FactorKind(NamedTuple):
 
     def residuals(self, graph: PoseGraph) -> np.ndarray:
         """The residuals of all factors of this kind at the present estimate, (E, d)."""
-        a, b = self.ends(graph)
-        return self.residual(a.estimate, b.estimate, getattr(getattr(graph, self.name), self.measured))
+        (a, b), factors = self.ends(graph), getattr(graph, self.name)
+        if len(a.index) == 0 and not self.displaces:
+            return np.zeros((0, 1))  # landmarks without headings have no third number to look at
+        return self.residual(a.estimate, b.estimate, *(getattr(factors, field) for field in self.measured))
 
     def information(self, graph: PoseGraph) -> np.ndarray:
         """Omega of all factors of this kind, (E, d, d)."""
@@ -55,8 +60,22 @@ class FactorKind(NamedTuple):
 
 
 FACTOR_KINDS = (
-    FactorKind("between", "relative_pose", ("poses", "i"), ("poses", "j"), between_residual, between_jacobians),
+    FactorKind("between", ("relative_pose",), ("poses", "i"), ("poses", "j"), between_residual, between_jacobians),
     FactorKind(
-        "observations", "xy", ("poses", "pose"), ("landmarks", "landmark"), observation_residual, observation_jacobians
+        "observations",
+        ("xy",),
+        ("poses", "pose"),
+        ("landmarks", "landmark"),
+        observation_residual,
+        observation_jacobians,
+    ),
+    FactorKind(
+        "headings",
+        ("theta", "symmetry"),
+        ("poses", "pose"),
+        ("landmarks", "landmark"),
+        heading_residual,
+        heading_jacobians,
+        displaces=False,
     ),
 )

@@ -6,7 +6,8 @@ import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.pose_graph.multi_start import optimize
-from npslam_teach.types import BetweenFactors, ObservationFactors, PoseGraph, RobotLog
+from npslam_teach.pose_graph.object_headings import with_headings
+from npslam_teach.types import NO_HEADINGS, BetweenFactors, ObservationFactors, PoseGraph, RobotLog
 from npslam_teach.validation import checked_array
 
 SMALLEST_STD = 1e-7  # m or rad; the information of a smaller one, 1 / std^2, is beyond `validation.LARGEST`
@@ -15,6 +16,8 @@ LARGEST_STD = 1e5  # m or rad; beside other factors one of a larger is lost in r
 
 def fit(log: RobotLog, labels, poses=None, odometry_std=None, observation_std=None) -> PoseGraph:
     """The best fit to the log when it is known which observation is of which object: the back end alone.
+
+    Where the log has headings, the objects have them too.
 
     Args:
         log: what was measured.
@@ -27,20 +30,29 @@ def fit(log: RobotLog, labels, poses=None, odometry_std=None, observation_std=No
     poses = se2.dead_reckoning(log.odometry) if poses is None else poses
     obs_xy_world = se2.apply(poses[log.obs_time], log.obs_xy)
     factors = odometry_factors(log, odometry_std), observation_factors(log, labels, observation_std)
-    return optimize(PoseGraph(poses, mean_landmarks(labels, obs_xy_world), *factors))
+    graph = PoseGraph(poses, mean_landmarks(labels, obs_xy_world), *factors)
+    return optimize(with_headings(log, graph, labels, graph.landmarks))
 
 
-def with_associations(log: RobotLog, graph: PoseGraph, labels, landmarks, observation_std=None) -> PoseGraph:
+def with_associations(
+    log: RobotLog, graph: PoseGraph, labels, landmarks, observation_std=None, heading_std=None
+) -> PoseGraph:
     """The same trajectory, and every observation tied to the object it is now thought to be of.
 
     Args:
         log: what was measured.
         graph: whose poses and odometry factors are kept.
         labels: (M,) index of the object of each observation; -1 leaves the observation out.
-        landmarks: (K, 2) m, W: where the objects are to start.
+        landmarks: (K, 2) m, W: where the objects are to start; with a log that has headings also (K, 3).
         observation_std: (2,) m; None: what the log says.
+        heading_std: rad; None: what the log says.
     """
-    return replace(graph, landmarks=landmarks, observations=observation_factors(log, labels, observation_std))
+    if log.obs_theta is None:
+        return replace(graph, landmarks=landmarks, observations=observation_factors(log, labels, observation_std))
+    none = np.zeros((0, 2)), ObservationFactors([], [], np.zeros((0, 2)), np.zeros((0, 2, 2)))
+    bare = replace(graph, landmarks=none[0], observations=none[1], headings=NO_HEADINGS)
+    placed = with_headings(log, bare, np.asarray(labels), landmarks, heading_std)
+    return replace(placed, observations=observation_factors(log, labels, observation_std))
 
 
 def odometry_factors(log: RobotLog, odometry_std=None) -> BetweenFactors:

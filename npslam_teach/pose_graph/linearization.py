@@ -127,6 +127,8 @@ def second_order_term(graph: PoseGraph, structure: BlockStructure, at: Residuals
     blocks = iter(structure.blocks(values))
     for kind, residual in zip(FACTOR_KINDS, at.by_kind, strict=True):
         (a, b), (aa, ab, _) = kind.ends(graph), (next(blocks) for _ in range(3))
+        if not kind.displaces:
+            continue
         force = _weighted(residual, kind.information(graph))[:, :2]
         _fill_second_order_term(aa, ab, a.estimate[:, 2], b.estimate[:, :2] - a.estimate[:, :2], force)
     return structure.gather(values)

@@ -12,6 +12,7 @@ import numpy as np
 from npslam_teach.pose_graph.complex_form import QuadraticForm, as_complex, isotropic_part, layout_of
 from npslam_teach.pose_graph.factor_kinds import FACTOR_KINDS
 from npslam_teach.pose_graph.factorization import solve_once
+from npslam_teach.pose_graph.object_headings import faced_from
 from npslam_teach.types import PoseGraph
 
 
@@ -19,16 +20,16 @@ def relaxed_start(graph: PoseGraph) -> PoseGraph:
     """The graph moved to the minimum of the relaxed problem; what is fixed stays where it is.
 
     Args:
-        graph: of whose estimate only what is fixed is used.
+        graph: of whose estimate only what is fixed is used. Headings of landmarks follow from the poses it finds.
 
     Raises:
         numpy.linalg.LinAlgError: where isotropic weights do not determine every pose and landmark.
     """
     layout, form = layout_of(graph), QuadraticForm()
-    for kind in FACTOR_KINDS:
+    for kind in (kind for kind in FACTOR_KINDS if kind.displaces):
         a, b = kind.ends(graph)
         weight, heading_weight = isotropic_part(kind.information(graph))
-        measured = getattr(getattr(graph, kind.name), kind.measured)
+        measured = getattr(getattr(graph, kind.name), kind.measured[0])
         z_a = layout.heading(a)
         form.add_displacement(layout, (a, b), weight, -weight * as_complex(measured))
         form.add(z_a, z_a, weight * np.abs(as_complex(measured)) ** 2 / 2)
@@ -46,5 +47,5 @@ def relaxed_start(graph: PoseGraph) -> PoseGraph:
     poses = np.column_stack([positions.real, positions.imag, np.angle(headings)])
     poses[graph.fixed_poses] = graph.poses[graph.fixed_poses]
     landmarks = np.column_stack([landmarks.real, landmarks.imag])
-    landmarks[graph.fixed_landmarks] = graph.landmarks[graph.fixed_landmarks]
-    return replace(graph, poses=poses, landmarks=landmarks)
+    landmarks[graph.fixed_landmarks] = graph.landmark_xy[graph.fixed_landmarks]
+    return replace(graph, poses=poses, landmarks=faced_from(graph, poses, landmarks))

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from npslam_teach import se2
+from npslam_teach.pose_graph.object_headings import faced_from
 from npslam_teach.types import PoseGraph
 
 
@@ -25,7 +26,7 @@ def odometry_start(graph: PoseGraph) -> PoseGraph:
     for pose in order.tolist():
         if (parent[pose], pose) in steps:
             poses[pose] = se2.compose(poses[parent[pose]], steps[parent[pose], pose])
-    return replace(graph, poses=poses, landmarks=_where_seen(graph, poses))
+    return replace(graph, poses=poses, landmarks=faced_from(graph, poses, _where_seen(graph, poses)))
 
 
 def _tree(graph: PoseGraph) -> tuple[np.ndarray, list[int]]:
@@ -54,4 +55,4 @@ def _where_seen(graph: PoseGraph, poses: np.ndarray) -> np.ndarray:
     sums = [np.bincount(seen.landmark, weights=column, minlength=num_landmarks) for column in xy.T]
     kept = counts == 0
     kept[graph.fixed_landmarks] = True
-    return np.where(kept[:, None], graph.landmarks, np.column_stack(sums) / np.maximum(counts, 1)[:, None])
+    return np.where(kept[:, None], graph.landmark_xy, np.column_stack(sums) / np.maximum(counts, 1)[:, None])

@@ -1,8 +1,9 @@
 """Where each variable stands in the step dx, and how a graph moves by a step.
 
 The unknowns are the world coordinates ``[x, y, theta]`` of the free poses, in their order, and then ``[x, y]`` of the
-free landmarks. Whatever is fixed is left out: at least one variable has to be, because the whole map could be shifted
-and turned without any measurement noticing. Fixing one pose removes this freedom, the *gauge*.
+free landmarks, or ``[x, y, theta]`` where these have headings. Whatever is fixed is left out: at least one variable has
+to be, because the whole map could be shifted and turned without any measurement noticing. Fixing one pose removes this
+freedom, the *gauge*.
 """
 
 import copy
@@ -89,7 +90,11 @@ def retract(graph: PoseGraph, dx: np.ndarray) -> PoseGraph:
     poses[:, 2] = se2.wrap(poses[:, 2])
     as_given = graph.fixed_poses[np.abs(graph.poses[graph.fixed_poses, 2]) <= np.pi]
     poses[as_given] = graph.poses[as_given]  # to the last bit
-    return with_estimates(graph, poses, graph.landmarks + steps["landmarks"])
+    landmarks = graph.landmarks + steps["landmarks"]
+    if landmarks.shape[1] == 3:
+        landmarks[:, 2] = se2.wrap(landmarks[:, 2])
+        landmarks[graph.fixed_landmarks] = graph.landmarks[graph.fixed_landmarks]
+    return with_estimates(graph, poses, landmarks)
 
 
 def with_estimates(graph: PoseGraph, poses: np.ndarray, landmarks: np.ndarray) -> PoseGraph:

@@ -73,7 +73,8 @@ def simulate_run(
         world: the objects.
         path: (T, 3) true poses in W.
         sensor: how odometry and the detector err. Standard deviations must be positive.
-        rng: draws odometry noise, detections, position noise, class errors, clutter and the order within each frame.
+        rng: draws odometry noise, detections, position noise, class errors, clutter, the order within each frame and,
+            where the sensor sees headings, these.
         object_paths: (T, K, 2) m, W: where each object is at each pose, see ``carried``; None: where the world has it.
 
     Returns:
@@ -103,7 +104,25 @@ def simulate_run(
         observation_std=sensor.observation_std,
     )
     obs_object = np.concatenate([obj, np.full(len(clutter_time), -1)])[in_time]
-    return log, GroundTruth(world, path, obs_object)
+    return _with_headings(log, truth := GroundTruth(world, path, obs_object), sensor, rng), truth
+
+
+def _with_headings(log: RobotLog, truth: GroundTruth, sensor: SensorModel, rng: np.random.Generator) -> RobotLog:
+    """The log with a heading for each observation, where the sensor sees them.
+
+    Of what looks alike the sensor reports any with the same probability, and any at all of clutter and of the round.
+    """
+    std, object_theta, count = sensor.observation_theta_std, truth.world.object_theta, log.num_observations
+    if std is None:
+        return log
+    if object_theta is None:
+        raise ValueError("world.object_theta: expected headings, because the sensor sees them, got none")
+    symmetry = np.ones(log.num_classes, dtype=int) if sensor.class_symmetry is None else sensor.class_symmetry
+    alike = np.append(symmetry[truth.world.object_class], 0)[truth.obs_object]
+    noise, part = rng.normal(size=count) * std, rng.random(count)
+    turn = np.where(alike == 0, part, np.floor(part * alike) / np.maximum(alike, 1)) * 2 * np.pi
+    theta = np.append(object_theta, 0.0)[truth.obs_object] - truth.poses[log.obs_time, 2] + noise + turn
+    return replace(log, obs_theta=se2.wrap(theta), observation_theta_std=std, class_symmetry=sensor.class_symmetry)
 
 
 def _require_confusion(class_confusion: np.ndarray | None, num_classes: int) -> None:

@@ -1,0 +1,258 @@
+"""Pictures of lesson 14: noses that show a heading, what looks alike, means on a circle, and runs over the noise."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from npslam_teach import se2
+from npslam_teach.course.orientation import table
+from npslam_teach.evaluation import align_to_truth
+from npslam_teach.experiments.back_to_back import DEGREES
+from npslam_teach.plotting import plot_objects, plot_trajectory
+from npslam_teach.plotting.style import (
+    CLASS_COLORS,
+    ESTIMATE_COLOR,
+    TRUTH_COLOR,
+    TRUTH_LINE,
+    class_handles,
+    class_style,
+    label_axes,
+    label_map,
+    legend_below,
+    legend_beside,
+    method_style,
+    new_figure,
+    path_handles,
+)
+from npslam_teach.types import GroundTruth, RobotLog, Snapshot
+
+NOSE = 0.3  # m, how long the line is that shows which way something faces
+LOOKS = {name: method_style(name) for name in ("np-graph", "ekf", "posterior")}
+LOOKS |= {"true identities": TRUTH_LINE | {"marker": "s"}}
+QUANTITIES = {"ari": "ARI (1 = perfect)", "pose_error": "mean pose error (m)"}
+
+
+def noses(xy: np.ndarray, theta: np.ndarray, length: float = NOSE) -> np.ndarray:
+    """Lines (2, 3K) that show where things face, with gaps between them, for ``Line2D.set_data``.
+
+    Args:
+        xy: (K, 2) m.
+        theta: (K,) rad.
+        length: m.
+    """
+    tips = xy + length * np.column_stack([np.cos(theta), np.sin(theta)])
+    return np.stack([xy, tips, np.full_like(tips, np.nan)], axis=1).reshape(-1, 2).T
+
+
+def plot_noses(ax: Axes, xy: np.ndarray, theta: np.ndarray, truth: bool = False, **style) -> Axes:
+    """Which way things face: a line from the middle of each; grey and wide for the truth.
+
+    Args:
+        ax: a map.
+        xy: (K, 2) m, W.
+        theta: (K,) rad, W.
+        truth: whether they really face so.
+        style: of the lines.
+    """
+    look = {"color": TRUTH_COLOR, "linewidth": 4.0, "alpha": 0.6, "zorder": 1.7}
+    look = look if truth else {"color": ESTIMATE_COLOR, "linewidth": 1.6, "zorder": 2.7}
+    ax.plot(*noses(np.asarray(xy), np.asarray(theta)), **look | style)
+    return ax
+
+
+def laid_over(snapshot: Snapshot, truth: GroundTruth) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Path (T, 3), objects (K, 2) and their headings (K,), moved to fit the true path best; NaN without headings."""
+    graph = snapshot.graph
+    motion = align_to_truth(graph.poses, truth)
+    known = graph.landmarks.shape[1] == 3
+    theta = graph.landmarks[:, 2] + motion[2] if known else np.full(len(graph.landmarks), np.nan)
+    return se2.compose(motion, graph.poses), se2.apply(motion, graph.landmark_xy), theta
+
+
+def plot_hall(ax: Axes, snapshot: Snapshot, truth: GroundTruth, title: str) -> Axes:
+    """The hall as it is, hollow and grey, and as a method believes it is.
+
+    Args:
+        ax: a map.
+        snapshot: the estimate.
+        truth: behind it.
+        title: of the map.
+    """
+    world, (path, xy, theta) = truth.world, laid_over(snapshot, truth)
+    plot_trajectory(ax, truth.poses, truth=True)
+    plot_objects(ax, world.object_xy, world.object_class, world.class_names, truth=True)
+    plot_noses(ax, world.object_xy, world.object_theta, truth=True)
+    plot_trajectory(ax, path)
+    sizes = 12 * np.sqrt(snapshot.votes[:, 1:].sum(axis=1))
+    plot_objects(ax, xy, np.zeros(len(xy), dtype=int), world.class_names, sizes=sizes)
+    plot_noses(ax, xy, theta)
+    return label_map(ax, title)
+
+
+def hall_handles(truth: GroundTruth) -> list:
+    """The legend of ``plot_hall``."""
+    paths = path_handles(("estimated path", "true path", "true object"))
+    return class_handles([0], truth.world.class_names) + paths
+
+
+def pair_figure(log: RobotLog, truth: GroundTruth, pair: int) -> Figure:
+    """All sightings of one pair, carried into the world along the true path: as points, and with their headings.
+
+    Args:
+        log: with headings.
+        truth: whose poses are taken.
+        pair: its number.
+    """
+    figure, axes = new_figure(1, 2, (12.0, 5.4), sharex=True, sharey=True)
+    poses, members = truth.poses[log.obs_time], (2 * pair, 2 * pair + 1)
+    places, theta = se2.apply(poses, log.obs_xy), poses[:, 2] + log.obs_theta
+    both = np.isin(truth.obs_object, members)
+    axes[0].plot(*places[both].T, "o", color=ESTIMATE_COLOR, markersize=7, alpha=0.6)
+    for k, member in enumerate(members):
+        own = truth.obs_object == member
+        color, marker = class_style(k)
+        axes[1].plot(*places[own].T, marker, color=color, markersize=7, label=f"really chair {'AB'[k]}")
+        plot_noses(axes[1], places[own], theta[own], color=color, linewidth=1.2)
+    for ax, title in zip(axes, (f"{both.sum()} sightings of two chairs", "the same, with headings"), strict=True):
+        label_map(ax, title)
+    axes[1].set_ylabel("")
+    return legend_below(figure, axes[1].get_legend_handles_labels()[0])
+
+
+def alike_figure(smallest_turn) -> Figure:
+    """The smallest turn that looks alike over the turn itself: a chair, a table, a square, a cup.
+
+    Args:
+        smallest_turn: a function of turns (N,) rad and of how many headings look alike.
+    """
+    figure, ax = new_figure(size=(9.0, 4.2))
+    turn = np.linspace(-np.pi, np.pi, 721)[:-1]
+    for k, (name, symmetry) in enumerate({"chair, 1": 1, "table, 2": 2, "square, 4": 4, "cup, 0": 0}.items()):
+        found = np.asarray(smallest_turn(turn, symmetry), dtype=float)
+        found[np.abs(np.diff(found, prepend=found[0])) > 0.5] = np.nan  # no line where it leaps
+        ax.plot(
+            np.rad2deg(turn), np.rad2deg(found), color=CLASS_COLORS[k], linestyle=("-", "--", "-.", ":")[k], label=name
+        )
+    ax.set_xticks(range(-180, 181, 60))
+    ax.set_yticks(range(-180, 181, 90))
+    legend_beside(ax)
+    label_axes(
+        ax, "turn (degrees)", "smallest that looks alike (degrees)", "the more looks alike, the less a turn says"
+    )
+    return figure
+
+
+def weights_figure(position: np.ndarray, both: np.ndarray) -> Figure:
+    """The weights of two chairs for one sighting, by position alone and with the heading.
+
+    Args:
+        position: (2,) weights.
+        both: (2,).
+    """
+    figure, ax = new_figure(size=(8.5, 3.8))
+    for k, (name, weights) in enumerate({"position alone": position, "and heading": both}.items()):
+        at, style = np.arange(2) + 0.4 * (k - 0.5), {"hatch": ("", "//")[k], "edgecolor": "white"}
+        ax.bar(at, weights, 0.38, color=CLASS_COLORS[k], label=name, **style)
+    ax.set_xticks(range(2), ["chair A, nearer", "chair B, faces so"])
+    legend_beside(ax)
+    first, second = ("AB"[int(np.argmax(weights))] for weights in (position, both))
+    label_axes(ax, "object", "weight", f"position says {first}, position and heading say {second}")
+    return figure
+
+
+def means_figure(theta: np.ndarray, means: dict, title: str) -> Figure:
+    """Headings as marks on a circle, and what different means make of them, as arrows.
+
+    Args:
+        theta: (N,) rad.
+        means: by name: rad.
+        title: of the plot.
+    """
+    figure, ax = new_figure(size=(7.2, 4.8))
+    around = np.linspace(0, 2 * np.pi, 200)
+    ax.plot(np.cos(around), np.sin(around), color="0.8")
+    ax.plot(
+        np.cos(theta), np.sin(theta), "x", color=ESTIMATE_COLOR, markersize=11, markeredgewidth=2.2, label="headings"
+    )
+    for k, (name, mean) in enumerate(means.items()):
+        tip, style = np.array([np.cos(mean), np.sin(mean)]), {"linestyle": ("-", "--", "-.")[k], "linewidth": 2.6}
+        ax.plot(*np.stack([[0, 0], 0.85 * tip]).T, color=CLASS_COLORS[k], marker=class_style(k)[1], label=name, **style)
+    legend_beside(ax)
+    ax.set_aspect("equal")
+    label_axes(ax, "cos of the heading (no unit)", "sin of the heading (no unit)", title)
+    return figure
+
+
+def distances_figure(position: np.ndarray, joint: np.ndarray, gate: float) -> Figure:
+    """Squared distances of sightings of one chair to it and to the other, without and with headings.
+
+    Args:
+        position: (N, 2) to the right chair and to the other, of positions.
+        joint: (N, 2) of positions and headings.
+        gate: as a squared distance.
+    """
+    figure, axes = new_figure(1, 2, (12.0, 4.4), sharex=True, sharey=True)
+    for ax, squared, name in zip(axes, (position, joint), ("position alone", "position and heading"), strict=True):
+        nearer = np.mean(squared[:, 0] < squared[:, 1])
+        ax.plot(*squared.T, "o", color=CLASS_COLORS[0], markersize=7, alpha=0.6)
+        ax.plot([0.1, 300], [0.1, 300], **TRUTH_LINE)
+        ax.axhline(gate, color=CLASS_COLORS[1], linestyle="-.")
+        ax.set(xscale="log", yscale="log", xlim=(0.05, 400), ylim=(0.05, 400))
+        label_axes(
+            ax, "squared distance to the right chair", "to the other chair", f"{name}: {nearer:.0%} nearer to the right"
+        )
+        ax.set_xticks([0.1, 1, 10, 100], ["0.1", "1", "10", "100"])
+        ax.set_yticks([0.1, 1, 10, 100], ["0.1", "1", "10", "100"])
+        ax.minorticks_off()
+    axes[1].set_ylabel("")
+    return figure
+
+
+def plot_runs(ax: Axes, quantity: str, cases: tuple) -> Axes:
+    """A quantity over the noise of headings: medians of all halls, bars from the 10th to the 90th percentile.
+
+    A thin line of the same colour shows the median without headings.
+
+    Args:
+        ax: any axes.
+        quantity: of QUANTITIES.
+        cases: of the table.
+    """
+    degrees = np.array(DEGREES[1:])
+    for k, case in enumerate(cases):
+        low, middle, high = np.array(
+            [np.percentile(table.column(quantity, case, each), (10, 50, 90)) for each in degrees]
+        ).T
+        # Shifted sideways a little, so that no bar covers another.
+        x = degrees + 0.9 * (k - (len(cases) - 1) / 2)
+        ax.errorbar(x, middle, [middle - low, high - middle], capsize=3, markersize=8, label=case, **LOOKS[case])
+        without = np.median(table.column(quantity, case, 0.0))
+        ax.axhline(without, color=LOOKS[case]["color"], linewidth=1.0, linestyle=":", zorder=1)
+    ax.set_xticks(degrees)
+    ends = (f"{case} {np.median(table.column(quantity, case, degrees[0])):.2g}" for case in (cases[0], cases[-1]))
+    title = f"headings good to {degrees[0]:g} degrees: " + ", ".join(ends)
+    return label_axes(ax, "error of a heading (degrees); dotted: without", QUANTITIES[quantity], title)
+
+
+def runs_figure(quantity: str, cases: tuple) -> Figure:
+    """``plot_runs`` with its legend."""
+    figure, ax = new_figure(size=(9.5, 4.8))
+    plot_runs(ax, quantity, cases)
+    legend_beside(ax)
+    return figure
+
+
+def twins_figure(cases: dict, truth: GroundTruth) -> Figure:
+    """Answers to one log side by side.
+
+    Args:
+        cases: by title: a snapshot.
+        truth: of the hall.
+    """
+    size = (6.2 * len(cases), 6.4)
+    figure, axes = new_figure(1, len(cases), size, sharex=True, sharey=True, squeeze=False)
+    for k, (ax, (title, snapshot)) in enumerate(zip(axes.flat, cases.items(), strict=True)):
+        plot_hall(ax, snapshot, truth, f"{title}: {snapshot.num_objects} objects")
+        if k:
+            ax.set_ylabel("")
+    return legend_below(figure, hall_handles(truth), columns=2 * len(cases))

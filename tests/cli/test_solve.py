@@ -385,7 +385,7 @@ def test_headings_without_effect_are_told(capsys, tmp_path):
     datasets.save_log(path, replace(log, obs_theta=np.zeros(log.num_observations), observation_theta_std=0.3))
     for method, registered in METHODS.items():
         code, out, err = call(capsys, "solve", path, "--method", method, "--json")
-        assert ("takes objects for points: obs_theta of the log have no effect" in err) != registered.sees_headings
+        assert ("takes objects for points: obs_theta of the log has no effect" in err) != registered.sees_headings
         assert code == 0 and all(len(each["xy"]) == 2 for each in json.loads(out)["objects"])
     said = call(capsys, "solve", path, "--out", tmp_path / "graph.g2o")
     assert said[0] == 2 and "expected landmarks without headings" in said[2]

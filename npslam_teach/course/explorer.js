@@ -255,9 +255,10 @@ function sceneOf(figure, model, ask, rows) {
         if (follows() && over && String(over) !== String(before)) go(over);
       },
       drop(done) {
+        if (follows() && over) return; // it is there already
         if (!moved && done && !follows() && stops().length === 1) over = stops()[0]; // one way: a press is enough
-        if (!over) return place(home());
-        if (!follows()) (done ? go : () => place(home()))(over);
+        if (done && over) go(over);
+        else place(home());
       },
     });
     element.addEventListener("keydown", (event) => {

@@ -56,7 +56,7 @@ def dots_figure(groups: dict[str, list], labels: tuple[str, str], title: str, li
         values = np.sort(np.asarray(values, dtype=float))
         before = np.array([np.sum(values[:i] == value) for i, value in enumerate(values)])
         alike = np.array([np.sum(values == value) for value in values])
-        x = k + 0.09 * (before - (alike - 1) / 2)
+        x = k + min(0.09, 1.0 / alike.max()) * (before - (alike - 1) / 2)
         ax.plot(x, values, CLASS_MARKERS[0], markersize=9, color=CLASS_COLORS[0], mec=ESTIMATE_COLOR)
     if line is not None:
         ax.axhline(line[0], label=line[1], **TRUTH_LINE | {"zorder": 1})

@@ -154,7 +154,7 @@ def test_what_the_text_says_about_a_result_unfolds_with_it_and_folds_again(asked
 
 
 def test_a_check_that_passes_marks_its_exercise_and_the_mark_can_be_taken_away(asked):
-    done, question = asked.locator(".np-done"), box(asked, "Which one?")
+    done, question = asked.locator(".np-done[data-lesson='99']"), box(asked, "Which one?")
     assert "Right: so it is." in done.inner_text() and "1 of 2 exercises done" in done.inner_text()
     assert "0 of 3 predicted, 1 of 2 exercises done" in question.inner_text()
     stored = "localStorage.getItem('npslam/99/exercise/2')"
@@ -164,6 +164,8 @@ def test_a_check_that_passes_marks_its_exercise_and_the_mark_can_be_taken_away(a
     assert "0 of 2 exercises done" in done.inner_text() and "0 of 2 exercises done" in question.inner_text()
     done.get_by_role("button", name="Mark as done").click()
     assert asked.evaluate(stored) == "true"
+    marked = "Object.keys(localStorage).filter((key) => key.includes('/exercise/'))"
+    assert asked.evaluate(marked) == ["npslam/99/exercise/2"], "the solutions, open behind it, are not the reader's"
 
 
 def test_a_number_is_compared_with_the_one_that_the_cell_has_computed(asked):

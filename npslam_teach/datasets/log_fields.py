@@ -29,29 +29,26 @@ def run_from(fields: dict) -> tuple[RobotLog, GroundTruth | None]:
     num_classes = checked_array("num_classes", fields["num_classes"], ()).item()
     if num_classes > MAX_CLASSES:
         raise ValueError(f"num_classes: expected at most {MAX_CLASSES}, got {num_classes:g}")
+    _require_enough_steps(fields)
     used = {name: fields[name] for name in (*LOG_FIELDS, *OPTIONAL_FIELDS) if name in fields}
     log = RobotLog(**used | {"num_classes": num_classes})
     log = replace(log, class_names=_class_names(fields, log.num_classes))
     return log, _truth_from(fields, log)
 
 
-def doubts_about(log: RobotLog) -> list[str]:
-    """Sentences about what is possible in a log, and more often a mistake of whoever wrote it."""
-    doubts, turns = [], np.abs(log.odometry[:, 2])
-    if turns.max(initial=0.0) > np.pi:
-        turn = f"step {turns.argmax()} of odometry turns by {turns.max():.4g}"
-        doubts.append(f"{turn}, more than half a turn: expected radians, are these degrees?")
-    if log.obs_theta is not None and np.abs(log.obs_theta).max(initial=0.0) > 2 * np.pi:
-        most = f"obs_theta goes up to {np.abs(log.obs_theta).max():.4g}"
-        doubts.append(f"{most}, more than a whole turn: expected radians, are these degrees?")
-    rests, last = (log.odometry == 0).all(axis=1), log.num_poses - 1
-    if rests.sum() == 1 and (rests[0] or rests[-1]) and last > 1 and log.obs_time.max(initial=0) < last:
-        end = "first" if rests[0] else "last"
-        doubts.append(
-            f"the {end} step of odometry is zero, and nothing is seen from the last pose: expected one step fewer than "
-            "there are poses, from each to the next; is it one row too many?"
-        )
-    return doubts
+def _require_enough_steps(fields: dict) -> None:
+    """A pose that no step leads to is a missing row more often than a wrong index."""
+    odometry, times = np.shape(fields["odometry"]), np.asarray(fields["obs_time"])
+    if (
+        len(odometry) == 2
+        and times.dtype.kind in "iu"
+        and times.ndim == 1
+        and times.max(initial=0) > (last := odometry[0])
+    ):
+        entry = int(np.argmax(times > last))
+        text = f"obs_time: expected the index of a pose from 0 to {last}, got {times[entry]} at entry {entry}"
+        counted = ", or are poses counted from 1?" if times.min() > 0 else "?"
+        raise ValueError(f"{text}: {last} steps of odometry lead no further; is it a row too few{counted}")
 
 
 def fields_of(log: RobotLog, truth: GroundTruth | None) -> dict:

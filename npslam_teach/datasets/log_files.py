@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from npslam_teach.datasets.csv_files import read_csv_log, write_csv_log
-from npslam_teach.datasets.log_fields import FIELDS, doubts_about, fields_of, run_from
+from npslam_teach.datasets.log_doubts import doubts_about
+from npslam_teach.datasets.log_fields import FIELDS, fields_of, run_from
 from npslam_teach.datasets.mat_files import read_mat
 from npslam_teach.datasets.mu2016 import (
     SIMULATION_VARIABLES,

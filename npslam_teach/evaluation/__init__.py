@@ -8,6 +8,7 @@ sure a share of successful runs is.
 from npslam_teach.evaluation.clustering import compare_partitions, copies_of, singletons_for_unassigned
 from npslam_teach.evaluation.confidence import wilson_interval
 from npslam_teach.evaluation.consistency import (
+    chi2_bounds,
     chi2_per_dof,
     chi2_score,
     nis_in_windows,
@@ -23,6 +24,7 @@ __all__ = [
     "Metrics",
     "MapQuality",
     "align_to_truth",
+    "chi2_bounds",
     "chi2_per_dof",
     "chi2_score",
     "compare_partitions",

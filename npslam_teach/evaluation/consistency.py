@@ -52,6 +52,23 @@ def share_within(radius: float) -> float:
     return float(-np.expm1(-(radius**2) / 2))
 
 
+def chi2_bounds(dof, share: float) -> np.ndarray:
+    """Between which numbers chi2 per degree of freedom lies with a probability, as much beyond at either end.
+
+    The average NIS of N matches in the plane lies between twice the bounds of 2 N degrees of freedom.
+
+    Args:
+        dof: degrees of freedom, one number or (...).
+        share: the probability.
+
+    Returns:
+        (2,) or (2, ...): low, high.
+    """
+    from scipy.stats import chi2 as chi_squared
+
+    return np.stack([chi_squared.ppf(tail, dof) / dof for tail in ((1 - share) / 2, (1 + share) / 2)])
+
+
 def nis_in_windows(nis: np.ndarray, nis_dof: np.ndarray, window: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Frames taken together in windows, those without any match dropped.
 

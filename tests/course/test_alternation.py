@@ -397,7 +397,7 @@ def variant(**changes):
             lambda log, graph, labels, alpha, std: one_round(log, graph, labels, alpha, (0.01, 0.01)),
             "with observation_std",
         ),
-        (lambda log, graph, labels, alpha, std: one_round(log, graph, labels, 0.8, std), "the labels differ"),
+        (lambda log, graph, labels, alpha, std: one_round(log, graph, labels, 0.8, std), "the labels"),
     ],
 )
 def test_mistakes_in_the_alternation(wrong, named):

@@ -26,7 +26,8 @@ CHECKS, solution = checks_and_solutions("01_why_association")
 
 def nearest(xy, obs_class, reach):
     """The front end through the library's own association: a threshold instead of a reach."""
-    return join_earlier_observations(xy, obs_class, math.exp(-4 * reach**2), math.sqrt(1 / 8))
+    kernel_std = math.sqrt(1 / 8)  # the threshold as the library works it out, so that a tie is one
+    return join_earlier_observations(xy, obs_class, np.exp(-(reach**2) / (2 * kernel_std**2)), kernel_std)
 
 
 def first_within_reach(xy, obs_class, reach):

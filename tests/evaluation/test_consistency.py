@@ -208,3 +208,17 @@ def test_chi2_score_by_hand():
     assert evaluation.chi2_score(graph) == pytest.approx((0.25 - 4) / math.sqrt(8))
     once = ObservationFactors([0], [0], [[2.0, 0.5]], [np.eye(2)])
     assert math.isnan(evaluation.chi2_score(replace(graph, observations=once)))
+
+
+@pytest.mark.parametrize(("dof", "share"), [(1, 0.95), (6, 0.5), (400, 0.99)])
+def test_chi2_bounds_leave_as_much_at_either_end(dof, share):
+    low, high = evaluation.chi2_bounds(dof, share)
+    below, above = scipy.stats.chi2.cdf(low * dof, dof), scipy.stats.chi2.sf(high * dof, dof)
+    np.testing.assert_allclose([below, above], (1 - share) / 2)
+
+
+def test_chi2_bounds_of_two_degrees_of_freedom_by_hand():
+    # Two squared standard normal numbers have an exponential sum: P(sum > x) = exp(-x / 2).
+    low, high = evaluation.chi2_bounds(np.array([2, 2]), 0.9)
+    np.testing.assert_allclose(low, -np.log(0.95))
+    np.testing.assert_allclose(high, -np.log(0.05))

@@ -8,6 +8,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from npslam_teach import se2
 from npslam_teach.course.a_real_robot import errors, table
+from npslam_teach.evaluation.consistency import chi2_bounds
 from npslam_teach.experiments.real_robot import COMPARED, FACTORS, KNOWN
 from npslam_teach.plotting.maps import plot_trajectory, plot_truth
 from npslam_teach.plotting.style import (
@@ -155,9 +156,7 @@ def plot_honesty(axes, chi2_per_dof: np.ndarray, nees: np.ndarray, dof: int) -> 
         nees: (R,) mean squared Mahalanobis distance of its landmarks over 2.
         dof: degrees of freedom of a typical graph, for the two-sided 95 % interval.
     """
-    from scipy.stats import chi2
-
-    low, high = chi2.ppf([0.025, 0.975], dof) / dof
+    low, high = chi2_bounds(dof, 0.95)
     cases = ((chi2_per_dof, "chi2 per degree of freedom", "without the truth"), (nees, "NEES / 2", "with the truth"))
     for k, (ax, (values, name, title)) in enumerate(zip(axes, cases, strict=True)):
         color, marker = class_style(k)

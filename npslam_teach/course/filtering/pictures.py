@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from npslam_teach import se2
-from npslam_teach.evaluation.consistency import nis_in_windows, share_within
+from npslam_teach.evaluation.consistency import chi2_bounds, nis_in_windows, share_within
 from npslam_teach.methods.ekf import expected_observations, landmarks_of
 from npslam_teach.methods.ekf_slam import FilterStep
 from npslam_teach.methods.gating import NEW, UNASSIGNED, assign
@@ -182,14 +182,12 @@ def plot_nis(ax: Axes, records: dict, window: int = 50, probability: float = 0.9
         window: frames that are taken together.
         probability: that a window of a consistent filter lies in the band.
     """
-    from scipy.stats import chi2
-
-    tail, inside = (1 - probability) / 2, []
+    inside = []
     for k, (name, record) in enumerate(records.items()):
         middle, average, dof = nis_in_windows(record.nis, record.nis_dof, window)
         line = {"color": BELIEF_COLORS[k % 4], "linestyle": BELIEF_LINES[k % 4], "marker": CLASS_MARKERS[k % 4]}
         ax.plot(middle, average, linewidth=2.2, label=name, **line)
-        low, high = chi2.ppf(tail, dof) / dof, chi2.ppf(1 - tail, dof) / dof
+        low, high = chi2_bounds(dof, probability)
         inside += [name] if np.mean((low <= average) & (average <= high)) > 0.5 else []
     band = f"{probability:.0%} band of a consistent filter"
     ax.fill_between(middle, low, high, color="0.85", zorder=0.5, label=band)

@@ -70,8 +70,8 @@ def test_small_turns_in_degrees_get_a_hint_by_what_is_seen(seed, largest_turn):
 def test_a_turn_that_was_not_wrapped_gets_no_hint():
     log = winding_log(0, 0.1, noise=0.4)
     odometry = log.odometry.copy()
-    odometry[30, 2] += 2 * np.pi if odometry[30, 2] < 0 else -2 * np.pi
-    assert doubts_about(replace(log, odometry=odometry)) == []
+    odometry[30, 2] -= np.copysign(2 * np.pi, odometry[30, 2])
+    assert doubts_about(with_odometry(log, odometry)) == []
 
 
 def test_a_robot_that_leaves_gets_no_hint():

@@ -148,7 +148,7 @@ def plot_noise(ax: Axes, everything: np.ndarray, by_pass: np.ndarray, title: str
 
 
 def plot_honesty(axes, chi2_per_dof: np.ndarray, nees: np.ndarray, dof: int) -> None:
-    """What a graph says of itself, and what is true: chi2 without the truth, NEES with it; 1 is honest.
+    """What a graph says of itself, and what is true: chi2 without the truth, NEES with it; 1 is consistent.
 
     Args:
         axes: two.
@@ -163,7 +163,7 @@ def plot_honesty(axes, chi2_per_dof: np.ndarray, nees: np.ndarray, dof: int) -> 
         title += f": median {np.median(values):.2g}"
         if k == 0:
             ax.axhspan(low, high, color="0.85")
-            title += " (grey: 95 % of honest graphs)"
+            title += " (grey: 95 % of consistent graphs)"
         ax.axhline(1.0, **TRUTH_LINE)
         ax.xaxis.set_major_locator(MaxNLocator(integer=True))
         ax.plot(np.arange(len(values)), values, linestyle="none", marker=marker, color=color, markersize=8)

@@ -82,8 +82,8 @@ predict = questions(
         ["they merge; yes", "they split; yes", "they split; no"],
         right=1,
         mistake=(
-            "To trust the rule that splitting always looks good to χ². Here the residuals that remain do not "
-            "fit the small noise either."
+            "To expect that splits take all residuals away. Those of the objects that are left do not fit "
+            "the small noise either."
         ),
         alts=["Objects and path errors: far off with the data sheet, near 15 with the estimate but for NP-graph."],
     ),

@@ -66,7 +66,7 @@ def check_squared_mahalanobis(squared_mahalanobis: Callable) -> Verdict:
             y @ cov @ y
         ),
         "this is the plain distance, squared: the covariance is not used": lambda y, cov: y @ y,
-        "only the diagonal of the covariance is used: the two errors hang together": lambda y, cov: (
+        "only the diagonal of the covariance is used: the two errors are correlated": lambda y, cov: (
             y @ (y / np.diag(cov))
         ),
         "the inverse is taken number by number: a matrix has an inverse as a whole": lambda y, cov: y @ (1 / cov) @ y,
@@ -76,7 +76,7 @@ def check_squared_mahalanobis(squared_mahalanobis: Callable) -> Verdict:
     trials = [(rng.normal(size=2), covariance(rng, 2)) for _ in range(8)]
     edges = {
         "with an innovation of zero": [(np.zeros(2), covariance(rng, 2))],
-        "with errors that do not hang together": [(rng.normal(size=2), np.diag(rng.uniform(0.1, 2, 2)))],
+        "with errors that are not correlated": [(rng.normal(size=2), np.diag(rng.uniform(0.1, 2, 2)))],
     }
     praise = "distances are now counted in standard deviations, whatever the direction"
     return check_function(squared_mahalanobis, truth, Part("your number", mistakes), trials, edges, praise)
@@ -130,7 +130,7 @@ def check_add_object(add_object: Callable) -> Verdict:
         "the new object shares no error with the pose: then the filter would take it for an independent witness": {
             "cross": "none"
         },
-        "the new object shares its error with the pose only: objects found before hang on the same pose": {
+        "the new object shares its error with the pose only: objects found before are correlated with that pose": {
             "cross": "pose"
         },
         "the error of the sighting is not turned into the world": {"turned": False},
@@ -143,7 +143,7 @@ def check_add_object(add_object: Callable) -> Verdict:
         Part("your mean", _part(variant, of_mean, 0), hint=_mean_difference),
         Part("your covariance", _part(variant, of_cov, 1), hint=_cov_difference),
     )
-    praise = "the state has grown by two, and the new object hangs on everything that the pose hangs on"
+    praise = "the state has grown by two, and the new object is correlated with all that the pose is correlated with"
     return check_function(add_object, variant, parts, *add_object_inputs(), praise)
 
 

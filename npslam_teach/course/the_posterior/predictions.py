@@ -29,7 +29,7 @@ predict = questions(
         "Where does 8 go when 7 is with A, and when 7 is with B?",
         ["to A both times", "it follows 7", "to the other one", "to a new object"],
         right=1,
-        mistake="To decide for 8 alone. Both hang on the same unknown drift.",
+        mistake="To decide for 8 alone. Both depend on the same unknown drift.",
         alts=["Bars: with 7 at A, 8 goes to A; with 7 at B, to B; C and new are next to nothing."],
     ),
     extremes=choice(

@@ -32,6 +32,21 @@ def reassigned(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, classes:
     return np.where(labels < len(classes), labels, -1)
 
 
+def attached(log: RobotLog, labels: np.ndarray, poses: np.ndarray, landmarks: np.ndarray) -> np.ndarray:
+    """Labels (M,) in which those that are of none go where they fit best, if their frame has not taken it.
+
+    Args:
+        log: what was measured.
+        labels: (M,) index of the object, -1 = of none.
+        poses: (T, 3) W.
+        landmarks: (K, 2) m, W, of the objects.
+    """
+    seen, count = reassigned(log, poses, landmarks, classes_of(log, labels)), len(landmarks)
+    taken = (log.obs_time * count + labels)[labels >= 0]
+    free = (seen >= 0) & ~np.isin(log.obs_time * count + seen, taken)
+    return np.where(labels >= 0, labels, np.where(free, seen, -1))
+
+
 def classes_of(log: RobotLog, labels: np.ndarray) -> np.ndarray:
     """What the objects may be, by all that is reported of them: logarithms of probabilities (K, C).
 
@@ -59,11 +74,11 @@ def cut_in_two(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, tracklet
     half = np.zeros(len(tracklet), dtype=int)
     for k in range(len(landmarks)):
         own = np.flatnonzero(tracklet == k)
-        half[own[_greatest_change(off[own]) :]] = 1
+        half[own[greatest_change(off[own]) :]] = 1
     return in_order_of_sight(np.column_stack([tracklet, half]), tracklet >= 0)
 
 
-def _greatest_change(off: np.ndarray) -> int:
+def greatest_change(off: np.ndarray) -> int:
     """Before which of the residuals (n, 2) their mean changes most significantly; 0 for a single one."""
     before = np.arange(1, len(off))
     after = len(off) - before

@@ -12,8 +12,7 @@ from npslam_teach.methods.annealing import COLD, Model, State, anneal, settled, 
 from npslam_teach.methods.partition_score import Found, with_whole_tracklets
 from npslam_teach.methods.polish import MARGIN
 from npslam_teach.methods.repair import attached, classes_of, cut_in_two, pieces, reassigned
-from npslam_teach.methods.takeovers import cut_by_others, with_takeovers
-from npslam_teach.pose_graph import with_associations
+from npslam_teach.methods.takeovers import with_takeovers
 from npslam_teach.types import PoseGraph
 
 WARM, ROUNDS = (1.0, 0.3, 0.1), 3
@@ -51,7 +50,7 @@ def repaired(model: Model, state: State, rng: np.random.Generator) -> tuple[Mode
     best, those that were left out as well. The parts of a tracklet that stay together are tied together again.
     """
     tied = model.tracklet
-    halves = _halves(model, state)
+    halves = cut_in_two(model.log, state.graph.poses, state.graph.landmarks, tied)
     of_half = model.of_observations(state.labels)[first_observations(halves)]
     model, state = _descended(model, state.graph, halves, of_half, WARM, rng)
     for _ in range(ROUNDS):
@@ -61,17 +60,6 @@ def repaired(model: Model, state: State, rng: np.random.Generator) -> tuple[Mode
         if same_partition(before, model.of_observations(state.labels)):
             break
     return model, state
-
-
-def _halves(model: Model, state: State) -> np.ndarray:
-    """(M,) every tracklet cut where another object may have taken over."""
-    landmarks, _ = _objects(model, state)
-    if not _is_short(model):
-        return cut_in_two(model.log, state.graph.poses, state.graph.landmarks, model.tracklet)
-    labels = model.of_observations(state.labels)
-    return cut_by_others(
-        model.log, labels, with_associations(model.log, state.graph, labels, landmarks), model.tracklet
-    )
 
 
 def _is_short(model: Model) -> bool:

@@ -74,11 +74,11 @@ def cut_in_two(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, tracklet
     half = np.zeros(len(tracklet), dtype=int)
     for k in range(len(landmarks)):
         own = np.flatnonzero(tracklet == k)
-        half[own[greatest_change(off[own]) :]] = 1
+        half[own[_greatest_change(off[own]) :]] = 1
     return in_order_of_sight(np.column_stack([tracklet, half]), tracklet >= 0)
 
 
-def greatest_change(off: np.ndarray) -> int:
+def _greatest_change(off: np.ndarray) -> int:
     """Before which of the residuals (n, 2) their mean changes most significantly; 0 for a single one."""
     before = np.arange(1, len(off))
     after = len(off) - before

@@ -9,17 +9,16 @@ import math
 
 import numpy as np
 
-from npslam_teach import se2
-from npslam_teach.association import in_order_of_sight, same_partition
+from npslam_teach.association import in_order_of_sight
 from npslam_teach.association.semantics import class_distances, reports
 from npslam_teach.methods.annealing import Model
 from npslam_teach.methods.gating import GATE, squared_residuals
 from npslam_teach.methods.partition_score import Found, partition_score
-from npslam_teach.methods.repair import attached, classes_of, greatest_change
+from npslam_teach.methods.repair import attached, classes_of
 from npslam_teach.pose_graph import fit, levenberg_marquardt, with_associations
 from npslam_teach.types import PoseGraph, RobotLog
 
-STEPS = 3  # of the solver without a tracklet
+STEPS = 2  # of the solver without a tracklet
 ROUNDS = 3
 
 
@@ -47,8 +46,8 @@ def with_takeovers(model: Model, found: Found) -> Found:
 def _asked_anew(model: Model, found: Found, own: np.ndarray) -> np.ndarray | None:
     """Labels (M,) with a tracklet's observations (n,) where a map without them says; None: where they are."""
     log, rest = model.log, np.where(model.tracklet < 0, -1, found.labels)  # these go where they fit, afterwards
-    labels, graph = _map_without(log, rest, found.graph, own)
-    if len(graph.landmarks) == 0:
+    kept, labels, graph = _map_without(log, rest, found.graph, own)
+    if len(kept) == 0:
         return None
     squared = squared_residuals(log, own[:, None], graph.poses, graph.landmarks)
     squared = squared + class_distances(reports(log)[own], classes_of(log, labels))
@@ -56,40 +55,21 @@ def _asked_anew(model: Model, found: Found, own: np.ndarray) -> np.ndarray | Non
     taken = np.zeros((log.num_poses, len(graph.landmarks)), dtype=bool)
     taken[log.obs_time[used], labels[used]] = True
     labels[own] = one_or_two(np.where(taken[log.obs_time[own]], np.inf, squared))
+    if np.array_equal(np.append(kept, -1)[labels[own]], found.labels[own]):
+        return None
     labels = attached(log, labels, graph.poses, graph.landmarks)
-    labels = in_order_of_sight(labels, labels >= 0)
-    return None if same_partition(labels, found.labels) else labels
+    return in_order_of_sight(labels, labels >= 0)
 
 
-def _map_without(log: RobotLog, labels: np.ndarray, graph: PoseGraph, own: np.ndarray) -> tuple[np.ndarray, PoseGraph]:
-    """What would be without some observations (n,): labels (M,), and the graph with a landmark for each object left."""
+def _map_without(log: RobotLog, labels: np.ndarray, graph: PoseGraph, own: np.ndarray):
+    """What would be without some observations (n,): the objects left (K,), labels (M,) by these, the graph of them."""
     rest = labels.copy()
     rest[own] = -1
     kept = np.unique(rest[rest >= 0])
     rest = np.where(rest >= 0, np.searchsorted(kept, rest), -1)
     start = with_associations(log, graph, rest, graph.landmarks[kept])
     *_, last = levenberg_marquardt(start, max_iterations=STEPS)
-    return rest, last.graph
-
-
-def cut_by_others(log: RobotLog, labels: np.ndarray, graph: PoseGraph, tracklet: np.ndarray) -> np.ndarray:
-    """Cut every tracklet where another object may have taken over: where, by a map without it, its place changes most.
-
-    Args:
-        log: what was measured.
-        labels: (M,) the object of each observation, -1 = of none.
-        graph: one landmark for each object, solved.
-        tracklet: (M,) of each observation, in the order of the poses; -1 = of none.
-
-    Returns:
-        (M,) index of the half, in the order of first sight.
-    """
-    half = np.zeros(len(tracklet), dtype=int)
-    for k in range(tracklet.max(initial=-1) + 1):
-        own = np.flatnonzero(tracklet == k)
-        poses = _map_without(log, labels, graph, own)[1].poses
-        half[own[greatest_change(se2.apply(poses[log.obs_time[own]], log.obs_xy[own])) :]] = 1
-    return in_order_of_sight(np.column_stack([tracklet, half]), tracklet >= 0)
+    return kept, rest, last.graph
 
 
 def one_or_two(squared: np.ndarray) -> np.ndarray:

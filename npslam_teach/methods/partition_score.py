@@ -55,7 +55,7 @@ def partition_score(model: Model, labels: np.ndarray, graph: PoseGraph) -> float
     """The log posterior of a partition of the observations that may cut tracklets.
 
     Of many possible cuts one always looks good: a share ``1 - GATE`` of all matches is wrong, and how the cut goes
-    is one of many choices (``_ways_to_cut``).
+    is one of many choices (``ways_to_cut``).
 
     Args:
         model: with the tracklets as they were before any cut.
@@ -67,11 +67,11 @@ def partition_score(model: Model, labels: np.ndarray, graph: PoseGraph) -> float
     for k in range(len(model.rivals)):
         own = labels[model.tracklet == k]
         if (own != own[0]).any():
-            score += math.log(1 - GATE) - math.log(_ways_to_cut(own))
+            score += math.log(1 - GATE) - math.log(ways_to_cut(own))
     return score
 
 
-def _ways_to_cut(labels: np.ndarray) -> int:
+def ways_to_cut(labels: np.ndarray) -> int:
     """In how many ways a tracklet whose observations, in time, are of these objects (n,) may be cut like that.
 
     Either single observations go elsewhere: which k of the n is one of ``n! / k! (n - k)!`` choices. Or another object

@@ -59,21 +59,13 @@ def with_one_tracklet_of_two_objects(model: Model, truth: np.ndarray, last: int,
 
 
 def test_a_tracklet_that_runs_on_into_another_object_is_cut_where_the_other_begins():
-    log, truth = simulate.fifteen_objects(3, 2.0)
-    kept = log.obs_time < 300
+    log, truth = simulate.fifteen_objects(3, 1.0)
+    kept = log.obs_time < 400
     fields = {name: getattr(log, name)[kept] for name in ("obs_time", "obs_xy", "obs_class")}
-    log = replace(log, odometry=log.odometry[:299], **fields)
-    log, back = in_time(log)
+    log, back = in_time(replace(log, odometry=log.odometry[:399], **fields))
     truth = np.unique(truth.obs_object[kept][np.argsort(back)], return_inverse=True)[1]
     model, graph = start_model(log)
-    begin, end = (
-        np.array([f(log.obs_time[model.tracklet == k]) for k in range(len(model.rivals))]) for f in (min, max)
-    )
-    object_of = np.array([truth[model.tracklet == k][0] for k in range(len(model.rivals))])
-    of_class = np.array([log.obs_class[model.tracklet == k][0] for k in range(len(model.rivals))])
-    follows = (of_class[:, None] == of_class) & (object_of[:, None] != object_of) & (end[:, None] < begin)
-    gap = np.where(follows, begin - end[:, None], np.inf)
-    last, then = np.unravel_index(gap.argmin(), gap.shape)
+    last, then = soonest_after_another(model, truth)
     wrong, labels = with_one_tracklet_of_two_objects(model, truth, last, then)
     labels = labels_once_in_a_frame(log, labels, model.tracklet == then)
     graph = fit(log, labels, graph.poses)
@@ -86,6 +78,17 @@ def test_a_tracklet_that_runs_on_into_another_object_is_cut_where_the_other_begi
     assert after.score == pytest.approx(partition_score(wrong, after.labels, after.graph))
     frames = np.column_stack([log.obs_time, after.labels])[after.labels >= 0]
     assert len(np.unique(frames, axis=0)) == len(frames)
+
+
+def soonest_after_another(model: Model, truth: np.ndarray) -> tuple[int, int]:
+    """Two tracklets of a class, the second begins soonest after the first has ended; its object has others as well."""
+    log, own = model.log, [np.flatnonzero(model.tracklet == k) for k in range(len(model.rivals))]
+    begin, end = (np.array([log.obs_time[each][i] for each in own]) for i in (0, -1))
+    objects, classes = (np.array([values[each[0]] for each in own]) for values in (truth, log.obs_class))
+    follows = (classes[:, None] == classes) & (objects[:, None] != objects) & (end[:, None] < begin)
+    follows &= np.bincount(objects)[objects] > 1
+    gap = np.where(follows, begin - end[:, None], np.inf)
+    return np.unravel_index(gap.argmin(), gap.shape)
 
 
 def labels_once_in_a_frame(log, labels, moved):

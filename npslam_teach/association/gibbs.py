@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from npslam_teach.association.joint_gaussian import JointGaussian
+from npslam_teach.association.joint_gaussian import JointGaussian, log_normal
 from npslam_teach.association.partition_posterior import (
     TrackletEvidence,
     joint_system,
@@ -19,6 +19,8 @@ from npslam_teach.association.partition_posterior import (
     log_prior,
 )
 from npslam_teach.association.partitions import in_order_of_sight
+
+MOST_AHEAD = 32  # tracklets whose products are worked out together
 
 
 class _Apart(NamedTuple):
@@ -58,13 +60,19 @@ class GibbsSampler:
 
     def sweep(self, temperature: float = 1.0) -> None:
         """Ask every tracklet once, in random order."""
-        for tracklet in self.rng.permutation(len(self.slot)):
-            apart = self._apart(tracklet)
+        order, products, ahead = self.rng.permutation(len(self.slot)), {}, 1
+        for k, tracklet in enumerate(order):
+            if tracklet not in products:
+                products, ahead = self._products(order[k : k + ahead]), min(2 * ahead, MOST_AHEAD)
+            apart = self._apart(tracklet, products[tracklet])
             slot, change = self.draw(*self._weights(tracklet, apart), temperature)
+            if slot == self.slot[tracklet]:
+                continue
             if slot == apart.slot:
                 self.split_off(tracklet, apart)
-            elif slot != self.slot[tracklet]:
+            else:
                 self._move(tracklet, apart, slot, change)
+            products, ahead = {}, 1
         self.refresh()
 
     def refresh(self) -> None:
@@ -111,20 +119,31 @@ class GibbsSampler:
         self.slot[tracklet] = apart.slot
         self.log_posterior += apart.change
 
-    def _apart(self, tracklet: int) -> _Apart:
+    def _products(self, tracklets: np.ndarray) -> dict:
+        """V = A^T Lambda_t and Sigma V, (2S, 2) each, of several tracklets (b,); None for one that is alone already.
+
+        Sigma is large, and reading it is what takes the time: once for all of them, as long as nothing moves.
+        """
+        sharing = [int(t) for t in tracklets if len(self.members[self.slot[t]]) > 1]
+        v = np.zeros((len(self.members), 4 * len(sharing)))
+        np.add.at(v, self.slot, self._blocks[:, :, sharing].reshape(len(self.slot), -1))
+        v = v.reshape(2 * len(self.members), -1)
+        s_v = self.joint.times(v)
+        pairs = ((v[:, 2 * k : 2 * k + 2], s_v[:, 2 * k : 2 * k + 2]) for k in range(len(sharing)))
+        return dict.fromkeys(tracklets.tolist()) | dict(zip(sharing, pairs, strict=True))
+
+    def _apart(self, tracklet: int, products: tuple | None = None) -> _Apart:
         """Let a tracklet stand apart from its object by delta, which nothing else knows of.
 
         With ``l_t = l_i + delta`` the joint information of (l, delta) is [[J, V], [V^T, Lambda_tt]], V = A^T Lambda_t.
+        ``products``: V and Sigma V, where they are known.
         """
         slot, joint = self.slot[tracklet], self.joint
         here, t = slice(2 * slot, 2 * slot + 2), slice(2 * tracklet, 2 * tracklet + 2)
         column = joint.column(slot)
         if len(self.members[slot]) == 1:
             return _Apart(slot, 0.0, None, joint.mean, joint.own, joint.mean[here], joint.own[slot], column)
-        v = np.zeros((len(self.members), 4))
-        np.add.at(v, self.slot, self._blocks[:, :, tracklet].reshape(-1, 4))
-        v = v.reshape(-1, 2)
-        s_v = joint.times(v)
+        v, s_v = products or self._products(np.array([tracklet]))[tracklet]
         delta_cov = np.linalg.inv(self.evidence.information[t, t] - v.T @ s_v)
         delta = delta_cov @ (self.evidence.vector[t] - v.T @ joint.mean)
         gain, step = s_v @ delta_cov, -(s_v @ delta)
@@ -224,13 +243,3 @@ def _log_density(apart: _Apart, slots: np.ndarray) -> np.ndarray:
     cross = apart.column.reshape(-1, 2, 2)[slots]
     cov = apart.blocks[slots] + apart.own_cov - cross - cross.swapaxes(1, 2)
     return log_normal(apart.mean.reshape(-1, 2)[slots] - apart.own_mean, cov)
-
-
-def log_normal(difference: np.ndarray, cov: np.ndarray) -> np.ndarray:
-    """The log density at zero of two-dimensional normals: mean (..., 2), covariance (..., 2, 2)."""
-    a, b, d = cov[..., 0, 0], cov[..., 0, 1], cov[..., 1, 1]
-    # Where rounding has eaten the difference of two nearly equal covariances, it is small, and positive.
-    det = np.maximum(a * d - b * b, 1e-12 * np.abs(a * d) + 1e-300)
-    x, y = difference[..., 0], difference[..., 1]
-    squared = (d * x * x - 2 * b * x * y + a * y * y) / det
-    return -squared / 2 - np.log(det) / 2 - math.log(2 * math.pi)

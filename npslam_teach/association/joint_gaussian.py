@@ -6,6 +6,8 @@ are added up once there are many: one product of matrices instead of many of vec
 Loan, "Matrix Computations", 2013, section 1.3).
 """
 
+import math
+
 import numpy as np
 
 MOST_WAITING = 96  # columns of U; fewer where the covariance itself is small
@@ -88,3 +90,13 @@ class JointGaussian:
             for name in ("mean", "own", "_base", "_left", "_right"):
                 setattr(self, name, getattr(self, name).copy())
             self._shared = False
+
+
+def log_normal(difference: np.ndarray, cov: np.ndarray) -> np.ndarray:
+    """The log density at zero of two-dimensional normals: mean (..., 2), covariance (..., 2, 2)."""
+    a, b, d = cov[..., 0, 0], cov[..., 0, 1], cov[..., 1, 1]
+    # Where rounding has eaten the difference of two nearly equal covariances, it is small, and positive.
+    det = np.maximum(a * d - b * b, 1e-12 * np.abs(a * d) + 1e-300)
+    x, y = difference[..., 0], difference[..., 1]
+    squared = (d * x * x - 2 * b * x * y + a * y * y) / det
+    return -squared / 2 - np.log(det) / 2 - math.log(2 * math.pi)

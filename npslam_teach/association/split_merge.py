@@ -8,7 +8,8 @@ import math
 
 import numpy as np
 
-from npslam_teach.association.gibbs import GibbsSampler, log_normal
+from npslam_teach.association.gibbs import GibbsSampler
+from npslam_teach.association.joint_gaussian import log_normal
 from npslam_teach.association.partition_posterior import log_prior
 
 

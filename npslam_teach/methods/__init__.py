@@ -5,7 +5,7 @@ them all. Every method begins with the same snapshot 0: dead reckoning, every ob
 Begin with ``np_graph``, the paper's; ``registry`` has a record of each, ``settings`` the constants of the paper and of
 other sensors; ``ekf`` is the filter of ``ekf_slam``, ``block_filter`` the same faster. ``soft_em`` lets an observation
 be of several objects, each with its probability. ``posterior`` goes past the paper: read ``tracklets``, ``annealing``
-and ``repair`` with it, and ``posterior_samples``. ``noise_estimate`` asks a log how noisy it is,
+and ``refinement`` with it, and ``posterior_samples``. ``noise_estimate`` asks a log how noisy it is,
 ``oriented`` has what the methods share about headings.
 """
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from npslam_teach import se2
 from npslam_teach.association import first_observations
 from npslam_teach.association.gibbs import GibbsSampler
 from npslam_teach.association.partition_posterior import TrackletEvidence
@@ -18,7 +19,7 @@ from npslam_teach.association.semantics import combined, floored, reports
 from npslam_teach.association.split_merge import merge_objects, split_or_merge
 from npslam_teach.methods.gating import frames_of
 from npslam_teach.methods.oriented import ChainHeadings
-from npslam_teach.pose_graph import levenberg_marquardt, observation_factors
+from npslam_teach.pose_graph import levenberg_marquardt, mean_landmarks, observation_factors
 from npslam_teach.pose_graph.reduced_system import ReducedSystem, reduced_system
 from npslam_teach.types import PoseGraph, RobotLog
 
@@ -95,6 +96,20 @@ def settled(model: Model, state: State, rng: np.random.Generator) -> State:
         if same and abs(state.linear_chi2 - state.chi2) <= 1e-3 * (1.0 + state.chi2):
             break
     return state
+
+
+def tied_anew(model: Model, graph: PoseGraph, tracklet: np.ndarray) -> tuple[Model, PoseGraph]:
+    """The model with other tracklets, and the graph with a landmark for each where it was seen.
+
+    Args:
+        model: the log and the prior.
+        graph: the trajectory, and the factors of the odometry.
+        tracklet: (M,) of each observation, from 0 without gaps; -1 = of none.
+    """
+    log, places = model.log, se2.apply(graph.poses[model.log.obs_time], model.log.obs_xy)
+    factors = observation_factors(log, tracklet)
+    graph = replace(graph, landmarks=mean_landmarks(tracklet, places), observations=factors)
+    return model._replace(tracklet=tracklet, rivals=rivals_of(log, tracklet)), graph
 
 
 def solved(model: Model, graph: PoseGraph, labels: np.ndarray, steps: int = 2) -> tuple[PoseGraph, float]:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,7 +22,15 @@ MOST_OUTLIERS = 0.1  # of all observations; where more lie far out, it is the no
 OUTLIER_FACTOR = 5.0  # how many standard deviations of an observation an outlier is off, more or less
 
 
-def with_whole_tracklets(model: Model, labels: np.ndarray, poses: np.ndarray) -> tuple[np.ndarray, PoseGraph, float]:
+class Found(NamedTuple):
+    """A partition of the observations, solved."""
+
+    labels: np.ndarray  # (M,) the object of each, -1 = of none
+    graph: PoseGraph  # one landmark for each object
+    score: float  # ``partition_score``
+
+
+def with_whole_tracklets(model: Model, labels: np.ndarray, poses: np.ndarray) -> Found:
     """Undo cuts of tracklets that do not pay.
 
     Args:
@@ -29,8 +38,6 @@ def with_whole_tracklets(model: Model, labels: np.ndarray, poses: np.ndarray) ->
         labels: (M,) the object of each observation, -1 = of none.
         poses: (T, 3) W, from which the solver sets out.
 
-    Returns:
-        (M,) labels, the graph solved for them, and their ``partition_score``.
     """
     graph = fit(model.log, labels, poses)
     score = partition_score(model, labels, graph)
@@ -41,14 +48,14 @@ def with_whole_tracklets(model: Model, labels: np.ndarray, poses: np.ndarray) ->
             joined_score = partition_score(model, whole, joined)
             if joined_score > score:
                 labels, graph, score = whole, joined, joined_score
-    return labels, graph, score
+    return Found(labels, graph, score)
 
 
 def partition_score(model: Model, labels: np.ndarray, graph: PoseGraph) -> float:
     """The log posterior of a partition of the observations that may cut tracklets.
 
-    Of many possible cuts one always looks good: a share ``1 - GATE`` of all matches is wrong, and which k of the n
-    observations of a tracklet go elsewhere is one of ``n! / k! (n - k)!`` choices.
+    Of many possible cuts one always looks good: a share ``1 - GATE`` of all matches is wrong, and how the cut goes
+    is one of many choices (``ways_to_cut``).
 
     Args:
         model: with the tracklets as they were before any cut.
@@ -58,11 +65,21 @@ def partition_score(model: Model, labels: np.ndarray, graph: PoseGraph) -> float
     finer, reduced, of_piece = _in_pieces(model, labels, graph)
     score = log_posterior(finer.evidence(reduced), of_piece)
     for k in range(len(model.rivals)):
-        counts = np.unique(labels[model.tracklet == k], return_counts=True)[1]
-        if len(counts) > 1:
-            total = int(counts.sum())
-            score += math.log(1 - GATE) - math.log(math.comb(total, int(counts.max())))
+        own = labels[model.tracklet == k]
+        if (own != own[0]).any():
+            score += math.log(1 - GATE) - math.log(ways_to_cut(own))
     return score
+
+
+def ways_to_cut(labels: np.ndarray) -> int:
+    """In how many ways a tracklet whose observations, in time, are of these objects (n,) may be cut like that.
+
+    Either single observations go elsewhere: which k of the n is one of ``n! / k! (n - k)!`` choices. Or another object
+    takes over: when that happens c times, it is between c of n - 1 pairs of neighbours. Which of the two is one more.
+    """
+    most = int(np.unique(labels, return_counts=True)[1].max())
+    changes = int(np.count_nonzero(np.diff(labels)))
+    return 2 * min(math.comb(len(labels), most), math.comb(len(labels) - 1, changes))
 
 
 def without_displaced(model: Model, labels: np.ndarray, graph: PoseGraph) -> np.ndarray:

@@ -9,8 +9,8 @@ apart, and how far drift may have carried them apart. It has no kernel and no th
 3. ``annealing``: Gibbs moves and split-merge moves (``association.gibbs``), from hot to cold, several times.
    Headings count object by object: how well those of its tracklets agree, the error of the robot's own heading being
    the random walk of the odometry (``oriented.ChainHeadings``); trajectory and map are of positions until the end.
-4. ``repair``: observations looked at again with the whole map at hand, and those that were left out. For logs of few
-   observations ``polish`` instead: every near rival judged around its own solution.
+4. ``refinement``: tracklets and observations looked at again with the whole map at hand, and those that were left out.
+   For logs of few observations ``polish`` instead: every near rival judged around its own solution.
 """
 
 from collections.abc import Iterator
@@ -18,22 +18,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from npslam_teach import se2
-from npslam_teach.association import first_observations, require_alpha, same_partition
-from npslam_teach.methods.annealing import COLD, TEMPERATURES, Model, State, anneal, rivals_of, settled
+from npslam_teach.association import require_alpha
+from npslam_teach.methods.annealing import TEMPERATURES, Model, State, anneal, rivals_of, settled, tied_anew
 from npslam_teach.methods.noise import with_noise
 from npslam_teach.methods.oriented import ChainHeadings, without_headings
-from npslam_teach.methods.partition_score import with_whole_tracklets, without_displaced
-from npslam_teach.methods.polish import MARGIN, polished
-from npslam_teach.methods.repair import classes_of, confirmed, cut_in_two, pieces, reassigned
+from npslam_teach.methods.partition_score import without_displaced
+from npslam_teach.methods.polish import polished
+from npslam_teach.methods.refinement import refined
+from npslam_teach.methods.repair import confirmed
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
 from npslam_teach.methods.tracklets import tied_both_ways
-from npslam_teach.pose_graph import fit, mean_landmarks, observation_factors, with_associations
+from npslam_teach.pose_graph import fit, with_associations
 from npslam_teach.system.progress import track
 from npslam_teach.types import PoseGraph, RobotLog, Snapshot
 
 FEW = 64  # observations, up to which each is its own tracklet
-WARM, REPAIR_ROUNDS = (1.0, 0.3, 0.1), 3
 SAME = 1e-3  # of the log posterior: two starts have found the same
 
 
@@ -122,25 +121,6 @@ def best_of_starts(model: Model, graph: PoseGraph, starts: int, seed) -> Iterato
             return
 
 
-def repaired(model: Model, state: State, rng: np.random.Generator) -> tuple[Model, State]:
-    """Look at everything again at a finer grain, with the whole map at hand.
-
-    Tracklets are cut into pieces that may change their object; then every observation takes the object that suits it
-    best, those that were left out as well. The parts of a tracklet that stay together are tied together again.
-    """
-    tied = model.tracklet
-    halves = cut_in_two(model.log, state.graph.poses, state.graph.landmarks, tied)
-    of_half = model.of_observations(state.labels)[first_observations(halves)]
-    model, state = _descended(model, state, halves, of_half, WARM, rng)
-    for _ in range(REPAIR_ROUNDS):
-        before = model.of_observations(state.labels)
-        seen = reassigned(model.log, state.graph.poses, *_objects(model, state))
-        model, state = _descended(model, state, *pieces(tied, seen), (COLD,), rng)
-        if same_partition(before, model.of_observations(state.labels)):
-            break
-    return model, state
-
-
 def _search(log: RobotLog, alpha: float, area: float | None, starts: int, seed: int):
     """Labels (M,) and the graph with one landmark for each object: of the tracklets, after every search, at the end."""
     model, graph = start_model(log, alpha, area)
@@ -152,60 +132,9 @@ def _search(log: RobotLog, alpha: float, area: float | None, starts: int, seed: 
         best = polished(model, state)
         labels, graph = model.of_observations(best.labels), best.graph
     else:
-        labels, graph = _refined(model, state, np.random.default_rng([seed, starts]))
+        labels, graph, _ = refined(model, state, np.random.default_rng([seed, starts]))
         labels = confirmed(log, graph, without_displaced(model, labels, graph), model.tracklet)
     yield labels, fit(log, labels, graph.poses)
-
-
-def _refined(model: Model, state: State, rng: np.random.Generator) -> tuple[np.ndarray, PoseGraph]:
-    """Repaired where it pays: labels (M,) and the graph solved for them."""
-    attached = _with_left_out(model, state)
-    found = [with_whole_tracklets(model, attached, state.graph.poses)]
-    finer, state = repaired(model, state, rng)
-    found.append(with_whole_tracklets(model, finer.of_observations(state.labels), state.graph.poses))
-    finer, state = _descended(finer, state, *pieces(model.tracklet, found[-1][0]), (COLD,), rng)
-    found.append(with_whole_tracklets(model, finer.of_observations(state.labels), state.graph.poses))
-    labels, graph, score = max(found, key=lambda each: each[2])
-    if score < found[0][2] + MARGIN:  # less is within the error of linear models
-        labels, graph, score = found[0]
-    return labels, graph
-
-
-def _with_left_out(model: Model, state: State) -> np.ndarray:
-    """Labels (M,) in which those that were left out go where they fit best, if their frame has not taken it."""
-    labels = model.of_observations(state.labels)
-    seen = reassigned(model.log, state.graph.poses, *_objects(model, state))
-    count = labels.max(initial=-1) + 1
-    taken = (model.log.obs_time * count + labels)[labels >= 0]
-    free = (seen >= 0) & ~np.isin(model.log.obs_time * count + seen, taken)
-    return np.where(labels >= 0, labels, np.where(free, seen, -1))
-
-
-def _descended(model: Model, state: State, tracklet, labels, temperatures, rng) -> tuple[Model, State]:
-    """The same partition with other tracklets (M,), whose objects (N,) are given, and then the best that is near."""
-    model, graph = tied_anew(model, state.graph, tracklet)
-    *_, state = anneal(model, graph, labels, temperatures, rng)
-    return model, settled(model, state, rng)
-
-
-def tied_anew(model: Model, graph: PoseGraph, tracklet: np.ndarray) -> tuple[Model, PoseGraph]:
-    """The model with other tracklets, and the graph with a landmark for each where it was seen.
-
-    Args:
-        model: the log and the prior.
-        graph: the trajectory, and the factors of the odometry.
-        tracklet: (M,) of each observation, from 0 without gaps; -1 = of none.
-    """
-    log, places = model.log, se2.apply(graph.poses[model.log.obs_time], model.log.obs_xy)
-    factors = observation_factors(log, tracklet)
-    graph = replace(graph, landmarks=mean_landmarks(tracklet, places), observations=factors)
-    return model._replace(tracklet=tracklet, rivals=rivals_of(log, tracklet)), graph
-
-
-def _objects(model: Model, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """Where the objects are, (K, 2) m, W, and what they may be, (K, C)."""
-    first = first_observations(state.labels)
-    return state.graph.landmarks[first], classes_of(model.log, model.of_observations(state.labels))
 
 
 def in_time(log: RobotLog) -> tuple[RobotLog, np.ndarray]:

@@ -12,9 +12,9 @@ import numpy as np
 from npslam_teach.association import first_observations, in_order_of_sight, require_alpha
 from npslam_teach.association.gibbs import GibbsSampler
 from npslam_teach.association.split_merge import split_or_merge
-from npslam_teach.methods.annealing import PROPOSALS, Model, State, solved
+from npslam_teach.methods.annealing import PROPOSALS, Model, State, solved, tied_anew
 from npslam_teach.methods.polish import MARGIN
-from npslam_teach.methods.posterior import in_time, posterior, start_model, tied_anew
+from npslam_teach.methods.posterior import in_time, posterior, start_model
 from npslam_teach.pose_graph.reduced_system import reduced_system
 from npslam_teach.system.progress import track
 from npslam_teach.types import PoseGraph, RobotLog, Snapshot

@@ -32,6 +32,21 @@ def reassigned(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, classes:
     return np.where(labels < len(classes), labels, -1)
 
 
+def attached(log: RobotLog, labels: np.ndarray, poses: np.ndarray, landmarks: np.ndarray) -> np.ndarray:
+    """Labels (M,) in which those that are of none go where they fit best, if their frame has not taken it.
+
+    Args:
+        log: what was measured.
+        labels: (M,) index of the object, -1 = of none.
+        poses: (T, 3) W.
+        landmarks: (K, 2) m, W, of the objects.
+    """
+    seen, count = reassigned(log, poses, landmarks, classes_of(log, labels)), len(landmarks)
+    taken = (log.obs_time * count + labels)[labels >= 0]
+    free = (seen >= 0) & ~np.isin(log.obs_time * count + seen, taken)
+    return np.where(labels >= 0, labels, np.where(free, seen, -1))
+
+
 def classes_of(log: RobotLog, labels: np.ndarray) -> np.ndarray:
     """What the objects may be, by all that is reported of them: logarithms of probabilities (K, C).
 

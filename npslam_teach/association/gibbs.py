@@ -56,9 +56,9 @@ class GibbsSampler:
         """(N, 2) m, W: where the object of each tracklet stands."""
         return self.joint.mean.reshape(-1, 2)[self.slot]
 
-    def sweep(self, temperature: float = 1.0) -> None:
-        """Ask every tracklet once, in random order."""
-        for tracklet in self.rng.permutation(len(self.slot)):
+    def sweep(self, temperature: float = 1.0, which: np.ndarray | None = None) -> None:
+        """Ask every tracklet once, in random order; or those of ``which``, indices, alone."""
+        for tracklet in self.rng.permutation(len(self.slot) if which is None else which):
             apart = self._apart(tracklet)
             slot, change = self.draw(*self._weights(tracklet, apart), temperature)
             if slot == apart.slot:

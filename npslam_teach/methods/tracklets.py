@@ -49,7 +49,7 @@ def tracklets(
     sight_cov = observation_covariances(log)
     seen_all = reports(log)
     labels, count = np.full(log.num_observations, UNASSIGNED), 0
-    nearby = _Surroundings.empty(log.num_classes)
+    nearby = Surroundings.empty(log.num_classes)
     for time, observations in enumerate(frames_of(log)):
         if time > 0:
             nearby = nearby.after_step(log.odometry[time - 1], step_cov[time - 1]).seen_since(time - longest_gap)
@@ -104,7 +104,7 @@ def in_passes(labels: np.ndarray, times: np.ndarray, gap: int = LONGEST_GAP) -> 
 
 
 @dataclass(frozen=True, eq=False)
-class _Surroundings:
+class Surroundings:
     """What is in view: where each tracklet's object stands in the frame of the robot, and how sure that is."""
 
     tracklet: np.ndarray  # (K,)
@@ -118,7 +118,7 @@ class _Surroundings:
         nothing = np.zeros(0, dtype=int)
         return cls(nothing, np.zeros((0, num_classes)), nothing, np.zeros((0, 2)), np.zeros((0, 0)))
 
-    def after_step(self, step: np.ndarray, step_cov: np.ndarray) -> "_Surroundings":
+    def after_step(self, step: np.ndarray, step_cov: np.ndarray) -> "Surroundings":
         """The same objects from the next pose; the error of the step is common to them all."""
         if len(self.xy) == 0:
             return self
@@ -134,14 +134,14 @@ class _Surroundings:
         cov = turned + by_step @ step_cov @ by_step.T
         return replace(self, xy=xy, cov=cov)
 
-    def seen_since(self, time: int) -> "_Surroundings":
+    def seen_since(self, time: int) -> "Surroundings":
         """Without those that were seen last before a pose."""
         kept = np.flatnonzero(self.last_seen >= time)
         if len(kept) == len(self.tracklet):
             return self
         both = (2 * kept[:, None] + [0, 1]).ravel()
         fields = self.tracklet[kept], self.classes[kept], self.last_seen[kept]
-        return _Surroundings(*fields, self.xy[kept], self.cov[np.ix_(both, both)])
+        return Surroundings(*fields, self.xy[kept], self.cov[np.ix_(both, both)])
 
     def squared_distances(self, xy: np.ndarray, noise: np.ndarray) -> np.ndarray:
         """Squared Mahalanobis distance of observations (m, 2), noise (m, 2, 2), to the objects, (m, K)."""
@@ -162,7 +162,7 @@ class _Surroundings:
         classes[which] = updated_belief(classes[which], seen)
         return replace(self, classes=classes, last_seen=last_seen, xy=state.reshape(-1, 2), cov=(cov + cov.T) / 2)
 
-    def joined_by(self, tracklet, xy, seen, noise: np.ndarray, time: int) -> "_Surroundings":
+    def joined_by(self, tracklet, xy, seen, noise: np.ndarray, time: int) -> "Surroundings":
         """With new objects, which stand where they are seen."""
         if len(tracklet) == 0:
             return self
@@ -171,4 +171,4 @@ class _Surroundings:
         cov[:old, :old], cov[old:, old:] = self.cov, block_diagonal(noise)
         last_seen = np.append(self.last_seen, np.full(len(tracklet), time))
         ids, classes = np.append(self.tracklet, tracklet), np.concatenate([self.classes, normalised(seen)])
-        return _Surroundings(ids, classes, last_seen, np.concatenate([self.xy, xy]), cov)
+        return Surroundings(ids, classes, last_seen, np.concatenate([self.xy, xy]), cov)

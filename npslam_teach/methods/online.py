@@ -8,25 +8,18 @@ asked again by Gibbs moves (``recent``). What is older moves as a whole object o
 are at hand, so that the time of a frame does not depend on how many there were before.
 """
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.association import require_alpha
-from npslam_teach.association.semantics import class_distances, log_likelihoods, reports
-from npslam_teach.methods.gating import GATE, NEW, NEW_GATE, assign, frames_of, squared_gates
-from npslam_teach.methods.noise import observation_covariances, step_covariances, with_noise
-from npslam_teach.methods.posterior import in_time
+from npslam_teach.association.semantics import class_distances, log_likelihoods
+from npslam_teach.methods.gating import GATE, NEW, NEW_GATE, assign, squared_gates
 from npslam_teach.methods.recent import Front, asked_again, greedily, sampler_of
-from npslam_teach.methods.repair import classes_of
 from npslam_teach.methods.sightings import Sightings
-from npslam_teach.methods.snapshots import initial_snapshot, snapshot
 from npslam_teach.methods.tracklets import LONGEST_GAP, Surroundings
 from npslam_teach.pose_graph import SubmapTree
-from npslam_teach.system.progress import track
-from npslam_teach.types import RobotLog, Snapshot
 
 WINDOW = 100  # poses out of sight after which a tracklet keeps its object
 MOST_RECENT = 30  # tracklets in the window
@@ -159,7 +152,8 @@ class Online:
         near = near[distance[order[:MOST_NEAR]] < far]
         self.tree.activate(near[~active[near]][:MOST_LIFTED])
         left_behind = old[active[old] & ~np.isin(old, near)]
-        alone = np.bincount(self.books.object, minlength=len(active))[self.books.object[left_behind]] == 1
+        sizes = np.bincount(self.books.object[self.books.alive], minlength=len(active))
+        alone = sizes[self.books.object[left_behind]] == 1  # none of the window may become it
         self.tree.activate(left_behind[alone], False)
 
     def _think(self, new: np.ndarray) -> None:

@@ -1,4 +1,4 @@
-"""Who is who among the tracklets at hand: those of the last while, which may still change their object, and old objects.
+"""Who is who among the tracklets at hand: recent ones, which may still change their object, and old objects.
 
 The front of ``pose_graph.SubmapTree`` is the joint Gaussian of the newest pose and all of these, everything else at its
 best. Without the pose it is what ``association.gibbs`` samples from; with those of one object held together it says

@@ -115,6 +115,7 @@ class Surroundings:
 
     @classmethod
     def empty(cls, num_classes: int):
+        """Nothing in view."""
         nothing = np.zeros(0, dtype=int)
         return cls(nothing, np.zeros((0, num_classes)), nothing, np.zeros((0, 2)), np.zeros((0, 0)))
 

@@ -25,7 +25,9 @@ from npslam_teach.pose_graph.submaps import (
     variables,
 )
 
-Kept = Callable[[np.ndarray, int, int], np.ndarray]  # ids (k,), first and last leaf + 1 -> (k,) bool: asked for outside?
+Kept = Callable[
+    [np.ndarray, int, int], np.ndarray
+]  # ids (k,), first and last leaf + 1 -> (k,) bool: asked for outside?
 
 
 class Stretch:
@@ -71,9 +73,7 @@ class Stretch:
             information[:3, :3], count = np.eye(3), 1
         asked = kept(self.ids, self.begin, self.end)
         self._inside = np.append(np.arange(3 * count - 3), variables(np.flatnonzero(~asked), 3 * count))
-        self._outside = np.append(
-            np.arange(3 * count - 3, 3 * count), variables(np.flatnonzero(asked), 3 * count)
-        )
+        self._outside = np.append(np.arange(3 * count - 3, 3 * count), variables(np.flatnonzero(asked), 3 * count))
         self._lin = np.concatenate([self.poses[-count:].ravel(), self.xy.ravel()])
         self._left = eliminate(information, gradient, float(residual @ residual), self._inside, self._outside)
         left = self._left
@@ -199,4 +199,3 @@ class Joint:
             old = np.flatnonzero(self._ids[place] == ids) if len(self._ids) else place[:0]
             values[variables(old, 6)] = self._values[variables(place[old], 6)]
         return values
-

@@ -25,8 +25,9 @@ from npslam_teach.types import BetweenFactors, ObservationFactors, PoseGraph
 from npslam_teach.validation import checked_array, checked_index
 
 STRETCH = 32  # poses
-WALK = 16  # steps per frame towards the past
-MOST_BENT = 2  # linearized anew per frame
+WALK = 32  # steps per frame towards the past
+MOST_BENT = 4  # linearized anew per frame
+TURN = 4  # frames from one leaf whose turn it is to the next
 MOST_PASSES = 30  # of ``finish``
 
 
@@ -46,7 +47,7 @@ class SubmapTree:
         self._length, self._num_poses = stretch, 1
         self._top = self._open = Stretch(0, 0)
         self._whole, self._spine = [], []  # complete trees, ever smaller; the joints of the first one, two, three ...
-        self._leaves, self._walk, self._bent = [self._open], [], []
+        self._leaves, self._turn, self._walk, self._bent = [self._open], 0, [], []
         self._xy, self._first, self._last = np.zeros((16, 2)), np.zeros(16, dtype=int), np.full(16, -1)
         self._active, self._leaves_of, self.stays = np.zeros(16, dtype=bool), [], []
         self._steps, self._sights = [], []
@@ -62,7 +63,7 @@ class SubmapTree:
         Returns:
             the index of the new pose.
         """
-        step, root = checked_array("relative_pose", relative_pose, (3,)), _root(information)
+        step, root = checked_array("relative_pose", relative_pose, (3,)), _root(information, 3)
         if len(self._open.steps) == self._length:
             self._close()
         self._open.add_step(step, root)
@@ -76,9 +77,9 @@ class SubmapTree:
         """A new landmark, (2,) m in W, which is active; returns its index."""
         index = len(self.stays)
         if index == len(self._xy):
-            self._xy, self._first, self._last, self._active = (
-                np.concatenate([rows, np.zeros_like(rows)]) for rows in (self._xy, self._first, self._last, self._active)
-            )
+            for name in ("_xy", "_first", "_last", "_active"):
+                rows = getattr(self, name)
+                setattr(self, name, np.concatenate([rows, np.zeros_like(rows)]))
         self._xy[index] = checked_array("xy", xy, (2,))
         self._first[index], self._last[index], self._active[index] = len(self._leaves), -1, True
         self._leaves_of.append([])
@@ -94,7 +95,7 @@ class SubmapTree:
             information: (2, 2).
         """
         checked_index("landmark", landmark, len(self.stays))
-        xy, root, leaf = checked_array("xy", xy, (2,)), _root(information), self._open
+        xy, root, leaf = checked_array("xy", xy, (2,)), _root(information, 2), self._open
         leaf.add_sight(landmark, xy, root)
         self._sights.append((self._num_poses - 1, landmark, xy, information))
         if self._last[landmark] < leaf.begin:
@@ -127,7 +128,7 @@ class SubmapTree:
 
     def front(self) -> Submap:
         """The newest pose and the active landmarks in W, everything else at its best: what a new frame is about."""
-        for node in self._bent[:MOST_BENT]:
+        for node in self._bent[:MOST_BENT] or self._whose_turn():
             self._mark(node)
         del self._bent[:MOST_BENT]
         self._update(self._top)
@@ -189,16 +190,15 @@ class SubmapTree:
             tolerance: relative change of chi2.
         """
         graph, _ = self.graph()
-        before = chi2(graph)
-        for _ in range(MOST_PASSES):
+        values, still = [chi2(graph)], 0
+        while still < 2 and len(values) <= MOST_PASSES:  # twice: in a direction of little weight it comes to rest last
             for leaf in self._leaves:
                 self._mark(leaf)
             self.solve(0)
-            after = chi2(graph := self.graph()[0])
-            if abs(before - after) <= tolerance * (1.0 + after):
-                return graph
-            before = after
-        return optimize(graph)
+            graph, _ = self.graph()
+            values.append(chi2(graph))
+            still += abs(values[-1] - values[-2]) <= tolerance * (1.0 + values[-1])
+        return graph if still == 2 else optimize(graph)
 
     def _close(self) -> None:
         """The newest stretch is full: it becomes a leaf, and trees of one size become one of twice the size."""
@@ -212,6 +212,12 @@ class SubmapTree:
         self._open = Stretch(len(self._leaves), self._num_poses - 1)
         self._leaves.append(self._open)
         self._top, self._walk = Joint(self._spine[-1], self._open), []
+
+    def _whose_turn(self) -> list:
+        """Where nothing has turned too far: now and then one leaf after the other, so that small errors fade too."""
+        self._turn += 1
+        leaf = self._leaves[self._turn // TURN % len(self._leaves)]
+        return [leaf] if self._turn % TURN == 0 and leaf is not self._open else []
 
     def _mark(self, node) -> None:
         """A node has changed, and all above it with it."""
@@ -267,9 +273,13 @@ def _size(node) -> int:
     return node.end - node.begin
 
 
-def _root(information: np.ndarray) -> np.ndarray:
+def _root(information: np.ndarray, size: int) -> np.ndarray:
     """L^T of an information matrix L L^T."""
-    return np.linalg.cholesky(np.asarray(information, dtype=float)).T
+    information = checked_array("information", information, (size, size))
+    try:
+        return np.linalg.cholesky(information).T
+    except np.linalg.LinAlgError:
+        raise ValueError("information: expected a symmetric positive definite matrix") from None
 
 
 def _columns(rows: list, shapes: tuple) -> list[np.ndarray]:

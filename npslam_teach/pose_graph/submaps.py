@@ -14,7 +14,7 @@ import numpy as np
 
 from npslam_teach.pose_graph.factorization import SINGULAR
 
-POSE = slice(0, 3)  # where the last pose stands among the variables of a submap
+LEAST_SHARE = 0.5  # of the information of Gauss and Newton, that second derivatives have to leave in every direction
 
 
 class Submap(NamedTuple):
@@ -84,26 +84,6 @@ def eliminate(information: np.ndarray, gradient: np.ndarray, constant: float, in
     return Eliminated((kept + kept.T) / 2, pull - taken[:, -1], constant - gain, solution[:, :-1], solution[:, -1])
 
 
-def eliminate_at_seam(seam: "Seam", inside: np.ndarray, outside: np.ndarray) -> Eliminated:
-    """``eliminate`` for two submaps, with second derivatives where that leaves a minimum, else without them.
-
-    Without them a seam that turns leaves behind it the forces that hold a closed loop in balance, and a tree in which
-    only a few submaps at a time are linearized anew swings about its minimum instead of coming to rest.
-    """
-    return eliminate(seam.bent if _is_definite(seam) else seam.information, seam.gradient, seam.constant, inside, outside)
-
-
-def _is_definite(seam):
-    try:
-        np.linalg.cholesky(seam.bent - LEAST * seam.information)
-    except np.linalg.LinAlgError:
-        return False
-    return True
-
-
-LEAST=0.5
-
-
 class Seam(NamedTuple):
     """The sum of two submaps that follow one another, in the frame of the first, before anything is eliminated.
 
@@ -119,6 +99,20 @@ class Seam(NamedTuple):
     jacobian: np.ndarray  # (n, 3 + n) of these by the variables of_second
 
 
+def eliminate_at_seam(seam: Seam, inside: np.ndarray, outside: np.ndarray) -> Eliminated:
+    """``eliminate`` for two submaps, with second derivatives where a clear minimum is left, else without them.
+
+    Without them a seam that turns leaves behind it the forces that hold a closed loop in balance, and a tree in which
+    only a few submaps at a time are linearized anew swings about its minimum instead of coming to rest.
+    """
+    information = seam.bent
+    try:
+        np.linalg.cholesky(seam.bent - LEAST_SHARE * seam.information)
+    except np.linalg.LinAlgError:
+        information = seam.information
+    return eliminate(information, seam.gradient, seam.constant, inside, outside)
+
+
 def add_up(first: Submap, second: Submap, places: tuple[np.ndarray, np.ndarray], at: np.ndarray) -> Seam:
     """Add two submaps up, linearized around ``at`` (N,).
 
@@ -128,8 +122,8 @@ def add_up(first: Submap, second: Submap, places: tuple[np.ndarray, np.ndarray],
         places: (k1,) and (k2,) where the landmarks of each stand among the K of both.
         at: (N,) in S.
     """
-    of_first = np.concatenate([[3, 4, 5], _coordinates(places[0])])
-    of_second = np.concatenate([[3, 4, 5, 0, 1, 2], _coordinates(places[1])])
+    of_first = np.concatenate([[3, 4, 5], variables(places[0], 6)])
+    of_second = np.concatenate([[3, 4, 5, 0, 1, 2], variables(places[1], 6)])
     local, jacobian = seen_from_seam(at[of_second])
     information, gradient = np.zeros((len(at), len(at))), np.zeros(len(at))
     pull, constant = first.moved_to(at[of_first])
@@ -202,11 +196,6 @@ def turned_back(difference: np.ndarray, *angles: int) -> np.ndarray:
     for i in angles:
         difference[i] = math.remainder(difference[i], 2 * math.pi)
     return difference
-
-
-def _coordinates(places: np.ndarray) -> np.ndarray:
-    """Where x and y of landmarks (k,) stand behind two poses: (2k,)."""
-    return (6 + 2 * places[:, None] + np.array([0, 1])).ravel()
 
 
 def variables(places: np.ndarray, first: int) -> np.ndarray:

@@ -14,6 +14,8 @@ The bound: a joint costs O(b^3) for b landmarks that both sides share with the r
 by row these are the landmarks seen from two rows, so that b grows with the width of the building, not with the drive.
 """
 
+import math
+
 import numpy as np
 
 from npslam_teach import se2
@@ -28,7 +30,7 @@ STRETCH = 32  # poses
 WALK = 32  # steps per frame towards the past
 MOST_BENT = 4  # linearized anew per frame
 TURN = 4  # frames from one leaf whose turn it is to the next
-MOST_PASSES = 30  # of ``finish``
+MOST_PASSES, NEAR = 10, 1e-6  # of ``finish``; relative change of chi2 after which the tree is left
 
 
 class SubmapTree:
@@ -183,22 +185,26 @@ class SubmapTree:
         graph = PoseGraph(np.concatenate(poses), self._xy[used], between, observations)
         return graph, number[stays]
 
-    def finish(self, tolerance: float = 1e-12) -> PoseGraph:
-        """Linearize all anew until chi2 stands still: the graph at its minimum.
+    def finish(self, tolerance: float = 1e-13) -> PoseGraph:
+        """The graph at its minimum: linearized anew as a whole, and the last digits left to ``optimize``.
 
         Args:
-            tolerance: relative change of chi2.
+            tolerance: of ``optimize``.
         """
         graph, _ = self.graph()
-        values, still = [chi2(graph)], 0
-        while still < 2 and len(values) <= MOST_PASSES:  # twice: in a direction of little weight it comes to rest last
-            for leaf in self._leaves:
-                self._mark(leaf)
-            self.solve(0)
-            graph, _ = self.graph()
-            values.append(chi2(graph))
-            still += abs(values[-1] - values[-2]) <= tolerance * (1.0 + values[-1])
-        return graph if still == 2 else optimize(graph)
+        before = math.inf
+        for _ in range(MOST_PASSES):
+            if abs(before - (now := chi2(graph))) <= NEAR * (1.0 + now):
+                break
+            before, graph = now, self.linearized_anew()
+        return optimize(graph, tolerance)
+
+    def linearized_anew(self) -> PoseGraph:
+        """The graph after one step of Newton's method on the whole tree: time in proportion to the drive."""
+        for leaf in self._leaves:
+            self._mark(leaf)
+        self.solve(0)
+        return self.graph()[0]
 
     def _close(self) -> None:
         """The newest stretch is full: it becomes a leaf, and trees of one size become one of twice the size."""

@@ -16,6 +16,8 @@ from npslam_teach.pose_graph.submaps import Submap
 
 PROPOSALS = 4  # to split or to merge, each time that everything is asked again
 CLEARLY = 1e-6  # by which the log posterior has to rise
+DOUBT = 3.0  # of the log posterior: what it must cost a tracklet to leave its object, if it is to keep it for good
+COLD = 0.01
 
 
 class Front(NamedTuple):
@@ -76,30 +78,41 @@ def sampler_of(front: Front, labels: np.ndarray, books, alpha: float, area: floa
     """
     vector, information = front.without_pose()
     seen = books.seen[front.ids] if books.uncertain else None
-    counts, rivals = books.count[front.ids], books.rivals(front.ids)
+    counts, rivals = books.passes[front.ids], books.rivals(front.ids)
     return GibbsSampler(TrackletEvidence(0.0, vector, information, counts, rivals, alpha, area, seen), labels, rng)
 
 
-def asked_again(sampler: GibbsSampler, recent: np.ndarray) -> np.ndarray:
-    """The better of the present partition and one that is found from a sample near it: labels (N,).
+def asked_again(sampler: GibbsSampler, recent: np.ndarray) -> None:
+    """Draw a partition near the present one, go downhill from there, and keep the better of the two.
 
     Args:
-        sampler: of the present partition.
+        sampler: of the present partition; changed in place.
         recent: indices of the tracklets that may change their object; older ones only as whole objects.
     """
-    before, score = sampler.labels, sampler.log_posterior
+    before = sampler.saved()
     sampler.sweep(1.0, recent)
     for _ in range(PROPOSALS):
         split_or_merge(sampler)
     sampler.sweep(COLD, recent)
     merge_objects(sampler)
-    return sampler.labels if sampler.log_posterior > score + CLEARLY else before
+    if sampler.log_posterior <= before[-1] + CLEARLY:
+        sampler.restore(before)
 
 
-COLD = 0.01
+def without_doubtful(sampler: GibbsSampler, which: np.ndarray) -> None:
+    """Tracklets that are to keep their object for good stand alone, where that is nearly as probable.
+
+    Args:
+        sampler: changed in place.
+        which: indices of these tracklets, the oldest of each object not among them.
+    """
+    for tracklet in which:
+        apart = sampler._apart(tracklet)
+        if apart.change > -DOUBT:
+            sampler.split_off(tracklet, apart)
+    sampler.refresh()
 
 
-def greedily(sampler: GibbsSampler, new: np.ndarray) -> np.ndarray:
-    """Each of the new tracklets goes where it is most probable: labels (N,)."""
+def greedily(sampler: GibbsSampler, new: np.ndarray) -> None:
+    """Each of the new tracklets goes where it is most probable."""
     sampler.sweep(COLD, new)
-    return sampler.labels

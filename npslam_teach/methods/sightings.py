@@ -15,6 +15,7 @@ class Sightings:
         """Of none."""
         self._rows = {
             "count": np.zeros(16, dtype=int),  # observations
+            "passes": np.zeros(16, dtype=int),  # tracklets that have become this one
             "last_seen": np.zeros(16, dtype=int),  # pose
             "alive": np.zeros(16, dtype=bool),  # has not become another
             "object": np.zeros(16, dtype=int),  # its oldest tracklet
@@ -37,7 +38,8 @@ class Sightings:
         if self._size == len(self._rows["count"]):
             self._rows = {name: np.concatenate([rows, np.zeros_like(rows)]) for name, rows in self._rows.items()}
         self._size += 1
-        self.object[-1], self.allowed[-1], self.alive[-1] = self._size - 1, True, True
+        self.object[-1], self.passes[-1] = self._size - 1, 1
+        self.allowed[-1], self.alive[-1] = True, True
         self._beside.append(set())
         return self._size - 1
 
@@ -62,6 +64,7 @@ class Sightings:
     def merge(self, gone: int, stays: int) -> None:
         """What were two tracklets is one, for good."""
         self.count[stays] += self.count[gone]
+        self.passes[stays] += self.passes[gone]
         self.last_seen[stays] = max(self.last_seen[stays], self.last_seen[gone])
         self.seen[stays] += self.seen[gone]
         self.allowed[stays] &= self.allowed[gone]

@@ -30,7 +30,7 @@ TENTHS = 10  # snapshots of a drive
 
 def online(
     log: RobotLog,
-    alpha: float = 1.0,
+    alpha: float = 0.1,
     *,
     area: float | None = None,
     window: int = WINDOW,
@@ -74,9 +74,9 @@ def _driven(log: RobotLog, settings: dict) -> Iterator[tuple[np.ndarray, PoseGra
     stops = set(np.linspace(0, log.num_poses, TENTHS + 1)[1:-1].astype(int))
     for time, _ in enumerate(track(frames(robot, log), log.num_poses, "online", "frames")):
         if time + 1 in stops and len(robot.tracklet_of):
-            yield _so_far(robot, log)
+            yield so_far(robot, log)
     robot.settle_all()
-    labels, graph = _so_far(robot, log)
+    labels, graph = so_far(robot, log)
     labels = completed(log, graph, labels)
     yield labels, fit(log, labels, graph.poses)
 
@@ -90,7 +90,7 @@ def frames(robot: Online, log: RobotLog) -> Iterator[Estimate]:
         yield robot.add_frame(step[0], log.obs_xy[seen], log.obs_class[seen], probabilities, step[1], sights[seen])
 
 
-def _so_far(robot: Online, log: RobotLog) -> tuple[np.ndarray, PoseGraph]:
+def so_far(robot: Online, log: RobotLog) -> tuple[np.ndarray, PoseGraph]:
     """What a robot believes now, as labels (M,) of a log and its graph; the rest of the path is dead reckoning."""
     graph, _ = robot.tree.graph()
     rest = se2.dead_reckoning(log.odometry[len(graph.poses) - 1 :], graph.poses[-1])

@@ -16,7 +16,7 @@ from npslam_teach.pose_graph.submaps import Submap
 
 PROPOSALS = 4  # to split or to merge, each time that everything is asked again
 CLEARLY = 1e-6  # by which the log posterior has to rise
-DOUBT = 3.0  # of the log posterior: what it must cost a tracklet to leave its object, if it is to keep it for good
+DOUBT = 1.0  # of the log posterior: what it must cost a tracklet to leave its object, if it is to keep it for good
 COLD = 0.01
 
 

@@ -40,7 +40,7 @@ class Online:
     array([0])
     """
 
-    def __init__(self, num_classes: int, odometry_std, observation_std, alpha: float = 1.0, seed: int = 0, **settings):
+    def __init__(self, num_classes: int, odometry_std, observation_std, alpha: float = 0.1, seed: int = 0, **settings):
         """At the origin.
 
         Args:

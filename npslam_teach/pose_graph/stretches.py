@@ -25,17 +25,19 @@ from npslam_teach.pose_graph.submaps import (
     variables,
 )
 
-Kept = Callable[
-    [np.ndarray, int, int], np.ndarray
-]  # ids (k,), first and last leaf + 1 -> (k,) bool: asked for outside?
+# Of landmarks (k,), those asked for from outside of the leaves first .. last: (ids, first, last + 1) -> (k,) bool.
+Kept = Callable[[np.ndarray, int, int], np.ndarray]
+
+LARGEST_TURN = 0.005  # rad, by which a pose of a stretch may turn before the stretch is linearized anew
+NONLINEAR = 1e-4  # of chi2, by which a joint's linear model may be off before it is linearized anew
 
 
 class Stretch:
     """Steps of odometry in a row and what was seen after each of them; the frame is the pose before the first."""
 
-    def __init__(self, begin: int, first_pose: int):
-        """An empty one: the index of the leaf, and of the pose whose frame it lives in."""
-        self.begin, self.end, self.first_pose = begin, begin + 1, first_pose
+    def __init__(self, begin: int):
+        """An empty one, the leaf of this index."""
+        self.begin, self.end = begin, begin + 1
         self.parent, self.stale, self.part, self.grows = None, True, None, True
         self.steps, self.step_roots = [], []  # (3,), and L^T (3, 3) of the information L L^T
         self.sights = []  # (pose, id, xy, L^T)
@@ -129,10 +131,6 @@ class Stretch:
         jacobian[rows[free], columns] = (roots @ by_pose)[free]
 
 
-LARGEST_TURN = 0.005  # rad, by which a pose of a stretch may turn before the stretch is linearized anew
-NONLINEAR = 1e-4  # of chi2, by which a joint's linear model may be off before it is linearized anew
-
-
 class Joint:
     """Two submaps that follow one another."""
 
@@ -199,3 +197,24 @@ class Joint:
             old = np.flatnonzero(self._ids[place] == ids) if len(self._ids) else place[:0]
             values[variables(old, 6)] = self._values[variables(place[old], 6)]
         return values
+
+
+def mark(node) -> None:
+    """A stretch or joint has changed, and all above it with it."""
+    node.stale = False
+    while node is not None and not node.stale:
+        node.stale, node = True, node.parent
+
+
+def condense(node, kept: Kept) -> int:
+    """Condense what is stale, from the leaves up; how many stretches and joints that were."""
+    if not node.stale:
+        return 0
+    below = sum(condense(child, kept) for child in (node.left, node.right)) if isinstance(node, Joint) else 0
+    node.condense(kept)
+    return below + 1
+
+
+def size(node) -> int:
+    """How many leaves there are in it."""
+    return node.end - node.begin

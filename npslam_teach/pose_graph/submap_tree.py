@@ -19,11 +19,12 @@ import math
 import numpy as np
 
 from npslam_teach import se2
+from npslam_teach.pose_graph.factor_lists import FactorLists
 from npslam_teach.pose_graph.linearization import chi2
 from npslam_teach.pose_graph.multi_start import optimize
-from npslam_teach.pose_graph.stretches import Joint, Stretch
+from npslam_teach.pose_graph.stretches import Joint, Stretch, condense, mark, size
 from npslam_teach.pose_graph.submaps import Submap, carried, turned_back
-from npslam_teach.types import BetweenFactors, ObservationFactors, PoseGraph
+from npslam_teach.types import PoseGraph
 from npslam_teach.validation import checked_array, checked_index
 
 STRETCH = 32  # poses
@@ -46,13 +47,13 @@ class SubmapTree:
 
     def __init__(self, stretch: int = STRETCH):
         """With so many poses in a stretch."""
-        self._length, self._num_poses = stretch, 1
-        self._top = self._open = Stretch(0, 0)
+        self._length = stretch
+        self._top = self._open = Stretch(0)
         self._whole, self._spine = [], []  # complete trees, ever smaller; the joints of the first one, two, three ...
         self._leaves, self._turn, self._walk, self._bent = [self._open], 0, [], []
         self._xy, self._first, self._last = np.zeros((16, 2)), np.zeros(16, dtype=int), np.full(16, -1)
         self._active, self._leaves_of, self.stays = np.zeros(16, dtype=bool), [], []
-        self._steps, self._sights = [], []
+        self._factors = FactorLists()
         self.pose, self.redone = np.zeros(3), 0  # (3,) W, the newest; stretches and joints condensed so far
 
     def add_pose(self, relative_pose: np.ndarray, information: np.ndarray) -> int:
@@ -65,15 +66,13 @@ class SubmapTree:
         Returns:
             the index of the new pose.
         """
-        step, root = checked_array("relative_pose", relative_pose, (3,)), _root(information, 3)
+        step, root = self._factors.add_step(relative_pose, information)
         if len(self._open.steps) == self._length:
             self._close()
         self._open.add_step(step, root)
-        self._steps.append((step, information))
-        self._mark(self._open)
+        mark(self._open)
         self.pose = carried(self.pose, step)
-        self._num_poses += 1
-        return self._num_poses - 1
+        return self._factors.num_poses - 1
 
     def add_landmark(self, xy: np.ndarray) -> int:
         """A new landmark, (2,) m in W, which is active; returns its index."""
@@ -97,14 +96,14 @@ class SubmapTree:
             information: (2, 2).
         """
         checked_index("landmark", landmark, len(self.stays))
-        xy, root, leaf = checked_array("xy", xy, (2,)), _root(information, 2), self._open
+        xy, root = self._factors.add_sight(landmark, xy, information)
+        leaf = self._open
         leaf.add_sight(landmark, xy, root)
-        self._sights.append((self._num_poses - 1, landmark, xy, information))
         if self._last[landmark] < leaf.begin:
             self._leaves_of[landmark].append(leaf)
             self._last[landmark], self._first[landmark] = leaf.begin, min(self._first[landmark], leaf.begin)
             self._lift(landmark)
-        self._mark(leaf)
+        mark(leaf)
 
     def activate(self, landmarks: np.ndarray, active: bool = True) -> None:
         """Have landmarks (k,) among the variables of ``front``, or no longer."""
@@ -119,7 +118,7 @@ class SubmapTree:
         self._lift(stays)
         for leaf in self._leaves_of[gone]:
             leaf.rename(gone, stays)
-            self._mark(leaf)
+            mark(leaf)
             if leaf not in self._leaves_of[stays]:
                 self._leaves_of[stays].append(leaf)
         self._first[stays] = min(self._first[stays], self._first[gone])
@@ -131,9 +130,9 @@ class SubmapTree:
     def front(self) -> Submap:
         """The newest pose and the active landmarks in W, everything else at its best: what a new frame is about."""
         for node in self._bent[:MOST_BENT] or self._whose_turn():
-            self._mark(node)
+            mark(node)
         del self._bent[:MOST_BENT]
-        self._update(self._top)
+        self.redone += condense(self._top, self._is_asked_for)
         return self._top.part
 
     def solve(self, walk: int = WALK) -> np.ndarray:
@@ -171,19 +170,7 @@ class SubmapTree:
         while self._walk:
             self._visit(self._walk.pop())
         poses = [np.zeros((1, 3)), *(se2.compose(leaf.frame, leaf.poses[1:]) for leaf in self._leaves)]
-        stays = np.array(self.stays, dtype=int)
-        while (stays != stays[stays]).any():
-            stays = stays[stays]
-        pose, landmark, xy, information = _columns(self._sights, ((), (), (2,), (2, 2)))
-        used, place = np.unique(stays[landmark.astype(int)], return_inverse=True)
-        number = np.full(len(stays), -1)
-        number[used] = np.arange(len(used))
-        steps, of_steps = _columns(self._steps, ((3,), (3, 3)))
-        i = np.arange(len(steps))
-        between = BetweenFactors(i, i + 1, steps, of_steps)
-        observations = ObservationFactors(pose, place, xy, information)
-        graph = PoseGraph(np.concatenate(poses), self._xy[used], between, observations)
-        return graph, number[stays]
+        return self._factors.graph(np.concatenate(poses), self.landmarks(), np.array(self.stays, dtype=int))
 
     def finish(self, tolerance: float = 1e-13) -> PoseGraph:
         """The graph at its minimum: linearized anew as a whole, and the last digits left to ``optimize``.
@@ -202,7 +189,7 @@ class SubmapTree:
     def linearized_anew(self) -> PoseGraph:
         """The graph after one step of Newton's method on the whole tree: time in proportion to the drive."""
         for leaf in self._leaves:
-            self._mark(leaf)
+            mark(leaf)
         self.solve(0)
         return self.graph()[0]
 
@@ -210,12 +197,12 @@ class SubmapTree:
         """The newest stretch is full: it becomes a leaf, and trees of one size become one of twice the size."""
         self._open.grows = False
         self._whole.append(self._open)
-        while len(self._whole) > 1 and _size(self._whole[-1]) == _size(self._whole[-2]):
+        while len(self._whole) > 1 and size(self._whole[-1]) == size(self._whole[-2]):
             self._whole[-2:] = [Joint(*self._whole[-2:])]
         del self._spine[len(self._whole) - 1 :]
         for tree in self._whole[len(self._spine) :]:
             self._spine.append(Joint(self._spine[-1], tree) if self._spine else tree)
-        self._open = Stretch(len(self._leaves), self._num_poses - 1)
+        self._open = Stretch(len(self._leaves))
         self._leaves.append(self._open)
         self._top, self._walk = Joint(self._spine[-1], self._open), []
 
@@ -225,12 +212,6 @@ class SubmapTree:
         leaf = self._leaves[self._turn // TURN % len(self._leaves)]
         return [leaf] if self._turn % TURN == 0 and leaf is not self._open else []
 
-    def _mark(self, node) -> None:
-        """A node has changed, and all above it with it."""
-        node.stale = False
-        while node is not None and not node.stale:
-            node.stale, node = True, node.parent
-
     def _lift(self, landmark: int) -> None:
         """A landmark is asked for by more than before: it must not be eliminated where it was."""
         for leaf in self._leaves_of[landmark][:1]:
@@ -238,17 +219,7 @@ class SubmapTree:
             while node is not None and not node.stale and landmark in node.part.ids:
                 node = node.parent
             if node is not None and not node.stale:
-                self._mark(node)
-
-    def _update(self, node) -> None:
-        """Condense what is stale, from the leaves up."""
-        if not node.stale:
-            return
-        if isinstance(node, Joint):
-            self._update(node.left)
-            self._update(node.right)
-        node.condense(self._is_asked_for)
-        self.redone += 1
+                mark(node)
 
     def _is_asked_for(self, ids: np.ndarray, begin: int, end: int) -> np.ndarray:
         """Which landmarks (k,) are seen from other leaves than begin .. end - 1, or active: (k,) bool."""
@@ -273,22 +244,3 @@ class SubmapTree:
             self._bent.append(node)
         ids, xy = node.landmarks_here()
         self._xy[ids] = se2.apply(node.frame, xy)
-
-
-def _size(node) -> int:
-    return node.end - node.begin
-
-
-def _root(information: np.ndarray, size: int) -> np.ndarray:
-    """L^T of an information matrix L L^T."""
-    information = checked_array("information", information, (size, size))
-    try:
-        return np.linalg.cholesky(information).T
-    except np.linalg.LinAlgError:
-        raise ValueError("information: expected a symmetric positive definite matrix") from None
-
-
-def _columns(rows: list, shapes: tuple) -> list[np.ndarray]:
-    """Lists of what the rows hold, as arrays of these shapes."""
-    columns = zip(*rows, strict=True) if rows else [[] for _ in shapes]
-    return [np.array(column).reshape(-1, *shape) for column, shape in zip(columns, shapes, strict=True)]

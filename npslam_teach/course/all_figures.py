@@ -14,8 +14,8 @@ from npslam_teach.course.drift import figures as drift_figures
 from npslam_teach.course.fifteen_objects import figures as fifteen_objects_figures
 from npslam_teach.course.figure_file import FigureFile, FilmFile, draw_files, draw_films
 from npslam_teach.course.filtering import figures as filtering_figures
-from npslam_teach.course.online import figures as online_figures
 from npslam_teach.course.office import figures as office_figures
+from npslam_teach.course.online import figures as online_figures
 from npslam_teach.course.pose_graph import figures as pose_graph_figures
 from npslam_teach.course.soft_association import figures as soft_association_figures
 from npslam_teach.course.the_posterior import figures as the_posterior_figures

@@ -20,6 +20,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -36,7 +37,9 @@ from npslam_teach.types import GroundTruth, RobotLog
 
 TENTHS = 10
 FORGOTTEN = 200  # poses out of sight after which the case ``told`` no longer has an object among its active ones
-RUNS = (("told", 100, 0), ("online", 100, 0), *((case, 9, seed) for case in ("told", "online") for seed in range(3)))
+# Case, rooms, seed, tenths: of a hundred rooms only the beginning, for the whole drive takes an hour.
+RUNS = (("told", 100, 0, 3), ("online", 100, 0, 1), ("told", 9, 0, 10), ("online", 9, 0, 10), ("online", 9, 1, 10))
+
 TIMES = ("median_ms", "p99_ms", "longest_ms", "batch_ms")
 COLUMNS = ("case", "rooms", "seed", "tenth", "poses", *TIMES, "redone", "objects", "objects_true", "ari")
 COLUMNS += ("error", "error_batch", "error_told")
@@ -156,9 +159,9 @@ def read_table(path: Path) -> list[dict]:
 
 def main(path: str) -> None:
     """Make the table anew."""
-    rows = (row for case in RUNS for row in run(*case))
+    rows = (row for *drive, tenths in RUNS for row in islice(run(*drive), tenths))
     with progress_shown():
-        write_table(track(rows, TENTHS * len(RUNS), "online", "tenths"), Path(path))
+        write_table(track(rows, sum(tenths for *_, tenths in RUNS), "online", "tenths"), Path(path))
 
 
 if __name__ == "__main__":

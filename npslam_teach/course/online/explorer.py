@@ -26,7 +26,7 @@ def explore_drive(log: RobotLog, truth: GroundTruth, snapshots: list[Snapshot]) 
         ari = compare_partitions(truth.obs_object[seen], now.labels[seen])[0]
         move_map(now, f"after tenth {tenth}: {now.num_objects} objects")
         return (
-            f"After tenth {tenth} of the drive: {now.num_objects} objects; {100 * seen.mean():.0f} % of the observations "
+            f"After tenth {tenth} of the drive: {now.num_objects} objects; {100 * seen.mean():.0f} % of all observations "
             f"have one, ARI {ari:.3f} among these."
         )
 

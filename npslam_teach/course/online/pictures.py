@@ -12,6 +12,7 @@ from npslam_teach.plotting.style import (
     TEXT_SIZE,
     TRUTH_LINE,
     label_axes,
+    legend_below,
     legend_beside,
     method_style,
     new_figure,
@@ -145,7 +146,7 @@ def times_figure(runs: list[tuple]) -> Figure:
 
 def errors_figure(runs: list[tuple]) -> Figure:
     """Pose error over the drive: of the robot then and there, and of a batch with the same associations."""
-    figure, axes = new_figure(1, len(runs), (13.0, 4.4))
+    figure, axes = new_figure(1, len(runs), (5.5 * len(runs), 4.4))
     for ax, run in zip(np.atleast_1d(axes), runs, strict=True):
         looks = {
             "error": ("on the way", method_style("online") | {"linestyle": "-"}),
@@ -155,10 +156,10 @@ def errors_figure(runs: list[tuple]) -> Figure:
         for name, (words, look) in looks.items():
             ax.plot(table.column("poses", *run), table.column(name, *run), label=words, markersize=7, **look)
         off = table.column("error", *run)[-1] / table.column("error_batch", *run)[-1] - 1
-        label_axes(ax, "poses so far (number)", "mean pose error (m)", f"{run[0]}, {run[1]} rooms: {off:+.0%} at the end")
+        label_axes(
+            ax, "poses so far (number)", "mean pose error (m)", f"{run[0]}, building {run[2]}: {off:+.0%} at the end"
+        )
         ax.tick_params(labelsize=TEXT_SIZE["tick"])
-    from npslam_teach.plotting.style import legend_below
-
     return legend_below(figure, np.atleast_1d(axes)[0].get_legend_handles_labels()[0], columns=3)
 
 

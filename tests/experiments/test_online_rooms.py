@@ -18,10 +18,9 @@ def test_every_run_is_in_the_table_as_far_as_it_says():
 
 @pytest.mark.parametrize("case", ["told", "online"])
 def test_a_row_is_what_a_run_gives(case):
-    (row,) = islice(run(case, 9, 1), 1)
-    (kept,) = [
-        each for each in table.load() if (each["case"], each["rooms"], each["seed"], each["tenth"]) == (case, 9, 1, 1)
-    ]
+    (row,) = islice(run(case, 9, 0), 1)
+    which = {"case": case, "rooms": 9, "seed": 0, "tenth": 1}
+    (kept,) = [each for each in table.load() if which.items() <= each.items()]
     assert {name: row[name] for name in ("poses", "objects", "objects_true", "ari")} == {
         name: kept[name] for name in ("poses", "objects", "objects_true", "ari")
     }

@@ -26,8 +26,8 @@ def explore_drive(log: RobotLog, truth: GroundTruth, snapshots: list[Snapshot]) 
         ari = compare_partitions(truth.obs_object[seen], now.labels[seen])[0]
         move_map(now, f"after tenth {tenth}: {now.num_objects} objects")
         return (
-            f"After tenth {tenth} of the drive: {now.num_objects} objects; {100 * seen.mean():.0f} % of all observations "
-            f"have one, ARI {ari:.3f} among these."
+            f"After tenth {tenth} of the drive: {now.num_objects} objects; {100 * seen.mean():.0f} % of all "
+            f"observations have one, ARI {ari:.3f} among these."
         )
 
     sliders = {"tenth": slider("tenth", len(snapshots), 1, len(snapshots), 1)}

@@ -8,9 +8,7 @@ predict = questions(
         "The middle pose is eliminated: what is between the other two?",
         ["nothing any more", "a spring half as strong", "a spring twice as strong", "the same spring"],
         right=1,
-        mistake=(
-            "To strike out what is not asked for. Two springs in a row act as one, and a row of two is weaker than each."
-        ),
+        mistake=("To strike out what is not asked for. Two springs in a row act as one, weaker than each."),
         alts=["Two matrices: three variables in a chain, and the two that are left, tied by half of the strength."],
     ),
     tree=choice(
@@ -37,9 +35,7 @@ predict = questions(
         "A pass lies 1 m from an old chair: when is it taken for that chair?",
         ["when drift is 0.2 m", "when drift is 1 m", "always", "never"],
         right=1,
-        mistake=(
-            "To look at the distance alone. One metre is five standard deviations in the one case, and one in the other."
-        ),
+        mistake=("To look at the distance alone. One metre is five standard deviations in one case, one in the other."),
         alts=["Three curves that fall with distance: high and steep for little drift, low and flat for much."],
     ),
     revised=choice(

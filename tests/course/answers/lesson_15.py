@@ -106,7 +106,6 @@ RIGHT = {
     3: {
         "scipy": SCIPY_3,
         "library": LIBRARY_3,
-        "slogdet": "lambda off, cov, d: -0.5 * (off @ np.linalg.inv(cov) @ off + np.linalg.slogdet(2 * np.pi * cov)[1]) "
-        "- np.log(d)",
+        "slogdet": "lambda x, S, d: -(x @ np.linalg.inv(S) @ x + np.linalg.slogdet(2 * np.pi * S)[1]) / 2 - np.log(d)",
     },
 }

@@ -58,9 +58,9 @@ class GibbsSampler:
         """(N, 2) m, W: where the object of each tracklet stands."""
         return self.joint.mean.reshape(-1, 2)[self.slot]
 
-    def sweep(self, temperature: float = 1.0) -> None:
-        """Ask every tracklet once, in random order."""
-        order, products, ahead = self.rng.permutation(len(self.slot)), {}, 1
+    def sweep(self, temperature: float = 1.0, which: np.ndarray | None = None) -> None:
+        """Ask every tracklet once, in random order; or those of ``which``, indices, alone."""
+        order, products, ahead = self.rng.permutation(len(self.slot) if which is None else which), {}, 1
         for k, tracklet in enumerate(order):
             if tracklet not in products:
                 products, ahead = self._products(order[k : k + ahead]), min(2 * ahead, MOST_AHEAD)

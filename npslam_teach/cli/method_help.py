@@ -43,6 +43,12 @@ MEANINGS = {  # by method, what its options mean; a test compares them with what
         "gate": "the share of right matches that are considered at all",
         **OWN_NOISE,
     },
+    "online": {
+        "alpha": "how many objects are expected where none was seen, per object where some were",
+        "area": "over which objects are uniform; by default the box around all that was seen so far",
+        "window": "poses out of sight after which an association is final",
+        **OWN_NOISE,
+    },
     "posterior": {
         "alpha": "concentration of the Dirichlet process: the prior on the number of objects",
         "area": "over which objects are uniform; by default the box around all that was seen",

@@ -15,6 +15,7 @@ from npslam_teach.course.fifteen_objects import figures as fifteen_objects_figur
 from npslam_teach.course.figure_file import FigureFile, FilmFile, draw_files, draw_films
 from npslam_teach.course.filtering import figures as filtering_figures
 from npslam_teach.course.office import figures as office_figures
+from npslam_teach.course.online import figures as online_figures
 from npslam_teach.course.orientation import figures as orientation_figures
 from npslam_teach.course.pose_graph import figures as pose_graph_figures
 from npslam_teach.course.soft_association import figures as soft_association_figures
@@ -38,6 +39,7 @@ MODULES = (
     a_real_robot_figures,
     soft_association_figures,
     orientation_figures,
+    online_figures,
 )
 FIGURES = tuple(sorted((entry for module in MODULES for entry in module.FIGURES), key=lambda entry: entry.name))
 

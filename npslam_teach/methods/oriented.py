@@ -91,6 +91,11 @@ class Headings(NamedTuple):
             return cls(np.zeros(count), np.ones(count), symmetry)
         return cls(log.obs_theta, np.full(count, log.observation_theta_std**2), symmetry)
 
+    @classmethod
+    def silent(cls, count: int) -> "Headings":
+        """So many that say nothing."""
+        return cls(np.zeros(count), np.ones(count), np.zeros(count, dtype=int))
+
     def of(self, which: np.ndarray) -> "Headings":
         """Some of them."""
         return Headings(*(column[which] for column in self))

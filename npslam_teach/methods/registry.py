@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from npslam_teach.methods.ekf_slam import ekf_slam
 from npslam_teach.methods.frame_by_frame import frame_by_frame
 from npslam_teach.methods.np_graph import np_graph
+from npslam_teach.methods.online import online
 from npslam_teach.methods.open_loop import open_loop
 from npslam_teach.methods.posterior import posterior
 from npslam_teach.methods.robust_slam import robust_slam
@@ -89,6 +90,15 @@ _ALL = (
         {"color": "#c78ab8", "linestyle": (0, (1, 1)), "marker": "X"},
         "the log's noise is right; the number of objects is the filter's, less those that prove to be one; clutter far "
         "from every object becomes one",
+        sees_classes=True,
+        in_paper=False,
+    ),
+    Method(
+        "online",
+        online,
+        {"color": "#7a7a7a", "linestyle": (0, (5, 2, 1, 2)), "marker": "d"},
+        "the log's noise is right; an association is final a hundred poses after the object went out of sight, but for "
+        "whole objects that prove to be one; what is seen once only is taken for clutter",
         sees_classes=True,
         in_paper=False,
     ),

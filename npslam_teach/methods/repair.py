@@ -160,6 +160,37 @@ def confirmed(log: RobotLog, graph: PoseGraph, labels: np.ndarray, tracklet: np.
     return without_gaps(found)
 
 
+def completed(log: RobotLog, graph: PoseGraph, labels: np.ndarray) -> np.ndarray:
+    """What was left out goes to the object of the map that suits it best; what was seen a single time makes none.
+
+    Args:
+        log: what was measured.
+        graph: one landmark for every object.
+        labels: (M,) the object of each observation, from 0 without gaps; -1 = left out.
+
+    Returns:
+        (M,) labels from 0 without gaps; -1 = beyond the gate of all that are free in its frame.
+    """
+    count = labels.max(initial=-1) + 1
+    kept = np.bincount(labels[labels >= 0], minlength=count) >= 2
+    before, labels = labels, np.where(np.append(kept, False)[labels], labels, -1)
+    left = np.flatnonzero(labels < 0)
+    if not kept.any() or len(left) == 0:
+        return without_gaps(labels)
+    squared = squared_residuals(log, left[:, None], graph.poses, graph.landmarks)
+    squared = squared + class_distances(reports(log)[left], classes_of(log, before))
+    squared[:, ~kept] = np.inf
+    order = np.argsort(log.obs_time, kind="stable")
+    found = labels.copy()
+    for time in np.unique(log.obs_time[left]):
+        rows = np.flatnonzero(log.obs_time[left] == time)
+        frame = order[slice(*np.searchsorted(log.obs_time[order], (time, time + 1)))]
+        squared[np.ix_(rows, labels[frame][labels[frame] >= 0])] = np.inf
+        chosen = one_to_one(squared[rows], squared_radius(REPAIR_GATE))
+        found[left[rows]] = np.where(chosen < count, chosen, -1)
+    return without_gaps(found)
+
+
 def without_gaps(labels: np.ndarray) -> np.ndarray:
     """The same objects (M,), numbered from 0 without gaps; -1 stays."""
     return in_order_of_sight(labels, labels >= 0)

@@ -50,7 +50,7 @@ def tracklets(
     sight_cov = observation_covariances(log)
     seen_all, facing_all = reports(log), Headings.of_log(log)
     labels, count = np.full(log.num_observations, UNASSIGNED), 0
-    nearby = _Surroundings.empty(log.num_classes)
+    nearby = Surroundings.empty(log.num_classes)
     for time, observations in enumerate(frames_of(log)):
         if time > 0:
             nearby = nearby.after_step(log.odometry[time - 1], step_cov[time - 1]).seen_since(time - longest_gap)
@@ -65,9 +65,9 @@ def tracklets(
         labels[observations[is_new]] = count + np.arange(np.count_nonzero(is_new))
         count += np.count_nonzero(is_new)
         nearby = nearby.updated(decision[matched], xy[matched], seen[matched], noise[matched], time)
-        nearby = nearby.joined_by(labels[observations[is_new]], xy[is_new], seen[is_new], noise[is_new], time)
-        facing = nearby.facing.updated(decision[matched], facing.of(matched)).joined_by(facing.of(is_new))
-        nearby = replace(nearby, facing=facing)
+        nearby = replace(nearby, facing=nearby.facing.updated(decision[matched], facing.of(matched)))
+        new = labels[observations[is_new]], xy[is_new], seen[is_new], noise[is_new], time, facing.of(is_new)
+        nearby = nearby.joined_by(*new)
     return labels
 
 
@@ -109,7 +109,7 @@ def in_passes(labels: np.ndarray, times: np.ndarray, gap: int = LONGEST_GAP) -> 
 
 
 @dataclass(frozen=True, eq=False)
-class _Surroundings:
+class Surroundings:
     """What is in view: where each tracklet's object stands in the frame of the robot, and how sure that is."""
 
     tracklet: np.ndarray  # (K,)
@@ -121,11 +121,11 @@ class _Surroundings:
 
     @classmethod
     def empty(cls, num_classes: int):
+        """Nothing in view."""
         nothing = np.zeros(0, dtype=int)
-        facing = Headings(np.zeros(0), np.zeros(0), nothing)
-        return cls(nothing, np.zeros((0, num_classes)), nothing, np.zeros((0, 2)), np.zeros((0, 0)), facing)
+        return cls(nothing, np.zeros((0, num_classes)), nothing, np.zeros((0, 2)), np.zeros((0, 0)), Headings.silent(0))
 
-    def after_step(self, step: np.ndarray, step_cov: np.ndarray) -> "_Surroundings":
+    def after_step(self, step: np.ndarray, step_cov: np.ndarray) -> "Surroundings":
         """The same objects from the next pose; the error of the step is common to them all."""
         if len(self.xy) == 0:
             return self
@@ -141,14 +141,14 @@ class _Surroundings:
         cov = turned + by_step @ step_cov @ by_step.T
         return replace(self, xy=xy, cov=cov, facing=self.facing.after_turn(step[2], step_cov[2, 2]))
 
-    def seen_since(self, time: int) -> "_Surroundings":
+    def seen_since(self, time: int) -> "Surroundings":
         """Without those that were seen last before a pose."""
         kept = np.flatnonzero(self.last_seen >= time)
         if len(kept) == len(self.tracklet):
             return self
         both = (2 * kept[:, None] + [0, 1]).ravel()
         fields = self.tracklet[kept], self.classes[kept], self.last_seen[kept]
-        return _Surroundings(*fields, self.xy[kept], self.cov[np.ix_(both, both)], self.facing.of(kept))
+        return Surroundings(*fields, self.xy[kept], self.cov[np.ix_(both, both)], self.facing.of(kept))
 
     def squared_distances(self, xy: np.ndarray, noise: np.ndarray) -> np.ndarray:
         """Squared Mahalanobis distance of observations (m, 2), noise (m, 2, 2), to the objects, (m, K)."""
@@ -169,8 +169,8 @@ class _Surroundings:
         classes[which] = updated_belief(classes[which], seen)
         return replace(self, classes=classes, last_seen=last_seen, xy=state.reshape(-1, 2), cov=(cov + cov.T) / 2)
 
-    def joined_by(self, tracklet, xy, seen, noise: np.ndarray, time: int) -> "_Surroundings":
-        """With new objects, which stand where they are seen."""
+    def joined_by(self, tracklet, xy, seen, noise: np.ndarray, time: int, facing=None) -> "Surroundings":
+        """With new objects, which stand where they are seen, and face where they are seen to, if anybody says."""
         if len(tracklet) == 0:
             return self
         old, new = len(self.cov), 2 * len(tracklet)
@@ -178,6 +178,5 @@ class _Surroundings:
         cov[:old, :old], cov[old:, old:] = self.cov, block_diagonal(noise)
         last_seen = np.append(self.last_seen, np.full(len(tracklet), time))
         ids, classes = np.append(self.tracklet, tracklet), np.concatenate([self.classes, normalised(seen)])
-        return replace(
-            self, tracklet=ids, classes=classes, last_seen=last_seen, xy=np.concatenate([self.xy, xy]), cov=cov
-        )
+        facing = self.facing.joined_by(Headings.silent(len(tracklet)) if facing is None else facing)
+        return Surroundings(ids, classes, last_seen, np.concatenate([self.xy, xy]), cov, facing)

@@ -7,8 +7,8 @@ list, ``unknowns`` says which number of a step is which, ``linearization`` makes
 ``covariance`` says how certain the result is,
 ``observability`` whether there is one, ``certificate`` whether another could be better. Where to start:
 ``initialization`` from headings, ``spanning_tree`` from odometry, ``relaxation`` from everything at once.
-``incremental`` says how a graph grows. ``block_sparsity``, ``factorization``, ``fill_in`` and ``complex_form`` are the
-machinery.
+``incremental`` says how a graph grows, ``submap_tree`` how it grows in bounded time, on ``stretches`` and
+``submaps``. ``block_sparsity``, ``factorization``, ``fill_in`` and ``complex_form`` are the machinery.
 """
 
 from npslam_teach.pose_graph.certificate import Certificate, certify
@@ -44,6 +44,7 @@ from npslam_teach.pose_graph.residuals import (
     observation_residual,
 )
 from npslam_teach.pose_graph.spanning_tree import odometry_start
+from npslam_teach.pose_graph.submap_tree import SubmapTree
 from npslam_teach.pose_graph.unknowns import retract
 
 __all__ = [
@@ -53,6 +54,7 @@ __all__ = [
     "Optimum",
     "between_jacobians",
     "between_residual",
+    "SubmapTree",
     "certified_minimum",
     "certify",
     "chi2",

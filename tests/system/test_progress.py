@@ -78,6 +78,7 @@ COUNTS = {
     "frame-by-frame": None,
     "posterior": "searches",
     "soft-em": "iterations",
+    "online": "frames",
 }
 
 

@@ -1,0 +1,34 @@
+"""The runs of lesson 15, made in advance: ``runs.csv``, which ``experiments.online_rooms`` can make again."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from npslam_teach.experiments.online_rooms import read_table
+
+FILE = Path(__file__).parent / "runs.csv"
+
+
+@cache
+def load() -> tuple[dict, ...]:
+    """Every tenth of every run: a row with the columns of ``experiments.online_rooms``."""
+    return tuple(read_table(FILE))
+
+
+def column(name: str, case: str, rooms: int, seed: int = 0) -> np.ndarray:
+    """One quantity, tenth by tenth.
+
+    Args:
+        name: of the column.
+        case: "told" or "online".
+        rooms: of the building.
+        seed: of the building.
+
+    Raises:
+        ValueError: the table has no such run.
+    """
+    rows = [row for row in load() if (row["case"], row["rooms"], row["seed"]) == (case, rooms, seed)]
+    if not rows:
+        raise ValueError(f"case: expected one that was run in {rooms} rooms, got {case!r} of seed {seed}")
+    return np.array([row[name] for row in rows])

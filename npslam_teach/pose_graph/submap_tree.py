@@ -1,0 +1,246 @@
+"""A pose graph that grows with the drive, in bounded time per frame: a binary tree of submaps.
+
+The drive is cut into stretches of a few poses. Each is condensed into a quadratic form in its last pose and in those
+landmarks that are seen from outside (``submaps``), two neighbours into that of both, and so on up to the whole drive:
+the elimination order is a nested dissection in time, and the tree grows like a binary counter. A frame changes the
+newest stretch alone, so that only the joint of that one with all before is done again: three dozen poses, whatever the
+length of the drive. An old landmark that comes into view again, or that turns out to be another, has to be kept on the
+way from where it was eliminated up to the top: log2(T / 32) joints. Estimates of the past are found from the top down,
+a few joints per frame; what has turned so far that its linear model no longer holds is linearized anew, again a few
+per frame, and ``finish`` does all that is left. Treemap does the same with a tree over space (Frese, "Treemap: an
+O(log n) algorithm for indoor simultaneous localization and mapping", 2006).
+
+The bound: a joint costs O(b^3) for b landmarks that both sides share with the rest. In a building that is driven row
+by row these are the landmarks seen from two rows, so that b grows with the width of the building, not with the drive.
+"""
+
+import math
+
+import numpy as np
+
+from npslam_teach import se2
+from npslam_teach.pose_graph.factor_lists import FactorLists
+from npslam_teach.pose_graph.linearization import chi2
+from npslam_teach.pose_graph.multi_start import optimize
+from npslam_teach.pose_graph.stretches import Joint, Stretch, condense, mark, size
+from npslam_teach.pose_graph.submaps import Submap, carried, turned_back
+from npslam_teach.types import PoseGraph
+from npslam_teach.validation import checked_array, checked_index
+
+STRETCH = 32  # poses
+WALK = 32  # steps per frame towards the past
+MOST_BENT = 4  # linearized anew per frame
+TURN = 4  # frames from one leaf whose turn it is to the next
+MOST_PASSES, NEAR = 10, 1e-6  # of ``finish``; relative change of chi2 after which the tree is left
+
+
+class SubmapTree:
+    """The graph of a drive under way; pose 0 is the origin, and held still.
+
+    >>> tree = SubmapTree()
+    >>> chair = tree.add_landmark([2.0, 1.0])
+    >>> tree.add_observation(chair, [2.0, 1.0], np.diag([50.0, 50.0]))
+    >>> here = tree.add_pose([0.5, 0.0, 0.1], np.diag([400.0, 400.0, 900.0]))
+    >>> tree.solve()
+    array([0.5, 0. , 0.1])
+    """
+
+    def __init__(self, stretch: int = STRETCH):
+        """With so many poses in a stretch."""
+        self._length = stretch
+        self._top = self._open = Stretch(0)
+        self._whole, self._spine = [], []  # complete trees, ever smaller; the joints of the first one, two, three ...
+        self._leaves, self._turn, self._walk, self._bent = [self._open], 0, [], []
+        self._xy, self._first, self._last = np.zeros((16, 2)), np.zeros(16, dtype=int), np.full(16, -1)
+        self._active, self._leaves_of, self.stays = np.zeros(16, dtype=bool), [], []
+        self._factors = FactorLists()
+        self.pose, self.redone = np.zeros(3), 0  # (3,) W, the newest; stretches and joints condensed so far
+
+    def add_pose(self, relative_pose: np.ndarray, information: np.ndarray) -> int:
+        """Drive one step.
+
+        Args:
+            relative_pose: (3,) m, m, rad: the new pose in the frame of the newest.
+            information: (3, 3) of the step.
+
+        Returns:
+            the index of the new pose.
+        """
+        step, root = self._factors.add_step(relative_pose, information)
+        if len(self._open.steps) == self._length:
+            self._close()
+        self._open.add_step(step, root)
+        mark(self._open)
+        self.pose = carried(self.pose, step)
+        return self._factors.num_poses - 1
+
+    def add_landmark(self, xy: np.ndarray) -> int:
+        """A new landmark, (2,) m in W, which is active; returns its index."""
+        index = len(self.stays)
+        if index == len(self._xy):
+            for name in ("_xy", "_first", "_last", "_active"):
+                rows = getattr(self, name)
+                setattr(self, name, np.concatenate([rows, np.zeros_like(rows)]))
+        self._xy[index] = checked_array("xy", xy, (2,))
+        self._first[index], self._last[index], self._active[index] = len(self._leaves), -1, True
+        self._leaves_of.append([])
+        self.stays.append(index)
+        return index
+
+    def add_observation(self, landmark: int, xy: np.ndarray, information: np.ndarray) -> None:
+        """A landmark is seen from the newest pose.
+
+        Args:
+            landmark: its index; not one that has become another.
+            xy: (2,) m, in the frame of the pose.
+            information: (2, 2).
+        """
+        checked_index("landmark", landmark, len(self.stays))
+        xy, root = self._factors.add_sight(landmark, xy, information)
+        leaf = self._open
+        leaf.add_sight(landmark, xy, root)
+        if self._last[landmark] < leaf.begin:
+            self._leaves_of[landmark].append(leaf)
+            self._last[landmark], self._first[landmark] = leaf.begin, min(self._first[landmark], leaf.begin)
+            self._lift(landmark)
+        mark(leaf)
+
+    def activate(self, landmarks: np.ndarray, active: bool = True) -> None:
+        """Have landmarks (k,) among the variables of ``front``, or no longer."""
+        for landmark in landmarks:
+            if active and not self._active[landmark]:
+                self._active[landmark] = True
+                self._lift(landmark)
+            self._active[landmark] = active
+
+    def merge(self, gone: int, stays: int) -> None:
+        """What were two landmarks is one."""
+        self._lift(stays)
+        for leaf in self._leaves_of[gone]:
+            leaf.rename(gone, stays)
+            mark(leaf)
+            if leaf not in self._leaves_of[stays]:
+                self._leaves_of[stays].append(leaf)
+        self._first[stays] = min(self._first[stays], self._first[gone])
+        self._last[stays] = max(self._last[stays], self._last[gone])
+        self._lift(stays)
+        self._active[stays] |= self._active[gone]
+        self._active[gone], self._leaves_of[gone], self.stays[gone] = False, [], stays
+
+    def front(self) -> Submap:
+        """The newest pose and the active landmarks in W, everything else at its best: what a new frame is about."""
+        for node in self._bent[:MOST_BENT] or self._whose_turn():
+            mark(node)
+        del self._bent[:MOST_BENT]
+        self.redone += condense(self._top, self._is_asked_for)
+        return self._top.part
+
+    def solve(self, walk: int = WALK) -> np.ndarray:
+        """The newest pose (3,) at the minimum; and ``walk`` steps towards all others."""
+        front = self.front()
+        self.tell(front.at - np.linalg.solve(front.information, front.gradient), walk)
+        return self.pose
+
+    def tell(self, values: np.ndarray, walk: int = WALK) -> None:
+        """Take values for the variables of ``front`` (n,), and go ``walk`` steps on towards those of the past."""
+        self._top.frame = np.zeros(3)
+        self._inform(self._top, values)
+        self.pose, self._xy[self._top.part.ids] = turned_back(values[:3].copy(), 2), values[3:].reshape(-1, 2)
+        if self._top is not self._open:
+            self._visit(self._open)
+        for _ in range(walk):
+            if not self._walk:
+                self._walk = [] if self._top is self._open else [self._top.left]
+                return
+            self._visit(self._walk.pop())
+
+    def landmarks(self) -> np.ndarray:
+        """(N, 2) m, W: where each stands as far as is known now; of those that became another, as they were then."""
+        return self._xy[: len(self.stays)]
+
+    def is_active(self) -> np.ndarray:
+        """(N,) bool: which landmarks are variables of ``front``."""
+        return self._active[: len(self.stays)]
+
+    def graph(self) -> tuple[PoseGraph, np.ndarray]:
+        """Everything, from the top of the tree down to its leaves; and the landmark of each index, (N,) -1 = unseen."""
+        if self._top.stale:
+            self.solve(0)
+        self._walk = [self._open] if self._top is self._open else [self._top.left]
+        while self._walk:
+            self._visit(self._walk.pop())
+        poses = [np.zeros((1, 3)), *(se2.compose(leaf.frame, leaf.poses[1:]) for leaf in self._leaves)]
+        return self._factors.graph(np.concatenate(poses), self.landmarks(), np.array(self.stays, dtype=int))
+
+    def finish(self, tolerance: float = 1e-13) -> PoseGraph:
+        """The graph at its minimum: linearized anew as a whole, and the last digits left to ``optimize``.
+
+        Args:
+            tolerance: of ``optimize``.
+        """
+        graph, _ = self.graph()
+        before = math.inf
+        for _ in range(MOST_PASSES):
+            if abs(before - (now := chi2(graph))) <= NEAR * (1.0 + now):
+                break
+            before, graph = now, self.linearized_anew()
+        return optimize(graph, tolerance)
+
+    def linearized_anew(self) -> PoseGraph:
+        """The graph after one step of Newton's method on the whole tree: time in proportion to the drive."""
+        for leaf in self._leaves:
+            mark(leaf)
+        self.solve(0)
+        return self.graph()[0]
+
+    def _close(self) -> None:
+        """The newest stretch is full: it becomes a leaf, and trees of one size become one of twice the size."""
+        self._open.grows = False
+        self._whole.append(self._open)
+        while len(self._whole) > 1 and size(self._whole[-1]) == size(self._whole[-2]):
+            self._whole[-2:] = [Joint(*self._whole[-2:])]
+        del self._spine[len(self._whole) - 1 :]
+        for tree in self._whole[len(self._spine) :]:
+            self._spine.append(Joint(self._spine[-1], tree) if self._spine else tree)
+        self._open = Stretch(len(self._leaves))
+        self._leaves.append(self._open)
+        self._top, self._walk = Joint(self._spine[-1], self._open), []
+
+    def _whose_turn(self) -> list:
+        """Where nothing has turned too far: now and then one leaf after the other, so that small errors fade too."""
+        self._turn += 1
+        leaf = self._leaves[self._turn // TURN % len(self._leaves)]
+        return [leaf] if self._turn % TURN == 0 and leaf is not self._open else []
+
+    def _lift(self, landmark: int) -> None:
+        """A landmark is asked for by more than before: it must not be eliminated where it was."""
+        for leaf in self._leaves_of[landmark][:1]:
+            node = leaf
+            while node is not None and not node.stale and landmark in node.part.ids:
+                node = node.parent
+            if node is not None and not node.stale:
+                mark(node)
+
+    def _is_asked_for(self, ids: np.ndarray, begin: int, end: int) -> np.ndarray:
+        """Which landmarks (k,) are seen from other leaves than begin .. end - 1, or active: (k,) bool."""
+        return self._active[ids] | (self._first[ids] < begin) | (self._last[ids] >= end)
+
+    def _visit(self, node) -> None:
+        """Tell a node what its parent knows; the next ones on the walk are its children."""
+        if node.stale:
+            return
+        parent = node.parent
+        if parent is not None:
+            is_left = node is parent.left
+            node.frame = parent.frame if is_left else carried(parent.frame, parent.seam_pose)
+            self._inform(node, parent.of_left() if is_left else parent.of_right)
+        if isinstance(node, Joint):
+            self._walk += [node.left, node.right]
+
+    def _inform(self, node, values: np.ndarray) -> None:
+        """Give a node the values (n,) of its part; its own landmarks are then known in W."""
+        # What is condensed anew in every frame is linearized anew as well.
+        if node.told(values) and node not in (self._top, self._open) and node not in self._bent:
+            self._bent.append(node)
+        ids, xy = node.landmarks_here()
+        self._xy[ids] = se2.apply(node.frame, xy)

@@ -160,8 +160,10 @@ def run_all_cells(page) -> None:
 
 def _every_prompt(pattern: str) -> str:
     """JavaScript: whether all code cells in front have a prompt like this."""
+    # A cell whose code is folded away has a placeholder for its prompt, without a number.
+    prompt = ".jp-Notebook .jp-CodeCell .jp-InputPrompt:not(.jp-Placeholder-prompt)"
     return f"""() => {{
-        const prompts = [...document.querySelectorAll(".jp-Notebook .jp-CodeCell .jp-InputPrompt")];
+        const prompts = [...document.querySelectorAll("{prompt}")];
         return prompts.length > 0 && prompts.every((each) => /{pattern}/.test(each.textContent));
     }}"""
 

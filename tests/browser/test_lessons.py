@@ -118,6 +118,14 @@ def test_what_has_run_can_be_read(lesson):
     assert page.locator(EXPLORER).count() == expected
 
 
+@some_lessons
+def test_printed_lines_break_between_words_and_never_within_a_number(lesson):
+    _, page = lesson
+    printed = page.locator(".jp-OutputArea-output.jp-RenderedText pre")
+    breaks = printed.evaluate_all("all => all.map((each) => getComputedStyle(each).wordBreak)")
+    assert breaks and set(breaks) == {"normal"}
+
+
 @pytest.mark.parametrize("lesson", [MOVED], indirect=True, scope="module")
 def test_run_all_shows_what_the_lesson_sets(lesson, lab):
     """The last of the lesson's own moves is what slider, field, words and bars show."""

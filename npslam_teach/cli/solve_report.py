@@ -20,12 +20,13 @@ def solve_result(run: Run, truth: GroundTruth | None, refitted: PoseGraph) -> di
     counts = last.votes[:, 1:].sum(axis=1)
     objects = [
         {
-            "xy": xy.tolist(),
+            "xy": place[:2].tolist(),
             "class": int(votes[1:].argmax()),
             "votes": votes.tolist(),
             "num_observations": int(count),
         }
-        for xy, votes, count in zip(last.graph.landmark_xy, last.votes, counts, strict=True)
+        | ({"theta": float(place[2])} if len(place) == 3 else {})
+        for place, votes, count in zip(last.graph.landmarks, last.votes, counts, strict=True)
     ]
     quality = asdict(map_quality(last, run.log, OFFICE_THRESHOLD))
     arrays = {"labels": last.labels.tolist(), "poses": last.graph.poses.tolist(), "objects": objects}

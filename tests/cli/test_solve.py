@@ -387,6 +387,7 @@ def test_headings_without_effect_are_told(capsys, tmp_path):
         code, out, err = call(capsys, "solve", path, "--method", method, "--json")
         assert ("takes objects for points: obs_theta of the log has no effect" in err) != registered.sees_headings
         assert code == 0 and all(len(each["xy"]) == 2 for each in json.loads(out)["objects"])
+        assert all(("theta" in each) == registered.sees_headings for each in json.loads(out)["objects"])
     said = call(capsys, "solve", path, "--out", tmp_path / "graph.g2o")
     assert said[0] == 2 and "expected landmarks without headings" in said[2]
 

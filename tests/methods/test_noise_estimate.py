@@ -86,7 +86,8 @@ def test_one_observation_of_every_pass():
 def test_leverages_add_up_to_the_number_of_unknowns():
     log, truth = simulate.toy_objects()
     graph = fit(log, np.unique(truth.obs_object, return_inverse=True)[1])
-    steps, observations = mean_leverages(graph)
+    steps, observations, headings = mean_leverages(graph)
+    assert not headings.any()  # the log has none
     total = steps.sum() * len(log.odometry) + observations.sum() * log.num_observations
     assert total == pytest.approx(len(linearize(graph)[1]), rel=1e-9)
     assert (steps > 0).all() and (steps <= 1).all() and (observations > 0).all() and (observations < 1).all()

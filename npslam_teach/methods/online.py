@@ -16,6 +16,7 @@ from npslam_teach import se2
 from npslam_teach.association import require_alpha
 from npslam_teach.methods.gating import frames_of
 from npslam_teach.methods.noise import observation_covariances, step_covariances, with_noise
+from npslam_teach.methods.oriented import without_headings
 from npslam_teach.methods.posterior import in_time
 from npslam_teach.methods.repair import completed
 from npslam_teach.methods.robot import WINDOW, Estimate, Online
@@ -59,7 +60,7 @@ def online(
         raise ValueError(f"window: expected a whole number of poses, {LONGEST_GAP} or more, got {window}")
     if area is not None and not 0 < area < float("inf"):
         raise ValueError(f"area: expected a positive number of square metres, got {area}")
-    log = with_noise(log, odometry_std, observation_std)
+    log = with_noise(without_headings(log), odometry_std, observation_std)
     yield initial_snapshot(log)
     ordered, back = in_time(log)
     settings = {"alpha": alpha, "area": area, "window": int(window), "seed": seed}

@@ -97,9 +97,8 @@ def test_a_pass_in_the_window_changes_its_object_when_more_is_seen():
 
 def test_completed_looks_at_what_was_left_out():
     noise = (1.0,) * 3, (0.1,) * 2
-    log = RobotLog(
-        np.zeros((2, 3)), [0, 1, 2, 2, 2], [[1, 0], [1.02, 0], [1, 0], [1.01, 0], [9, 9]], [0] * 5, 1, *noise
-    )
+    xy = [[1, 0], [1.02, 0], [1.01, 0], [1.05, 0], [9, 9]]
+    log = RobotLog(np.zeros((2, 3)), [0, 1, 2, 2, 2], xy, [0] * 5, 1, *noise)
     for before, after in (
         ([0, 0, -1, 1, 2], [0, 0, 0, -1, -1]),  # the better one takes it; what was seen once makes no object
         ([0, 0, 0, -1, -1], [0, 0, 0, -1, -1]),  # its frame has seen it already

@@ -7,6 +7,7 @@ import pytest
 
 from npslam_teach import se2, simulate
 from npslam_teach.association import in_order_of_sight
+from npslam_teach.methods.oriented import Headings
 from npslam_teach.methods.repair import cut_in_two, pieces
 from npslam_teach.methods.tracklets import LONGEST_GAP, Surroundings, tied_both_ways, tracklets
 from npslam_teach.types import RobotLog
@@ -50,7 +51,9 @@ def test_the_error_of_a_step_shifts_and_turns_what_is_in_view(seed):
     xy, step, std = rng.normal(0, 3, (3, 2)), rng.normal(0, 1, 3), rng.uniform(0.1, 1, 3)
     root = rng.normal(size=(6, 6))
     nothing = np.zeros(3, dtype=int)
-    moved = Surroundings(nothing, nothing, nothing, xy, root @ root.T).after_step(step, np.diag(np.square(std)))
+    moved = Surroundings(nothing, nothing, nothing, xy, root @ root.T, Headings.silent(len(xy))).after_step(
+        step, np.diag(np.square(std))
+    )
 
     def after(places_and_step):
         return se2.apply_inverse(places_and_step[6:], places_and_step[:6].reshape(3, 2)).ravel()

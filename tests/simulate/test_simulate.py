@@ -97,6 +97,9 @@ def test_the_log_holds_no_identity():
         "odometry_cov",
         "observation_cov",
         "class_probabilities",
+        "obs_theta",
+        "observation_theta_std",
+        "class_symmetry",
     }
     same_frame = np.diff(log.obs_time) == 0
     falls = np.diff(truth.obs_object)[same_frame] < 0

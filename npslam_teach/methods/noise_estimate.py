@@ -57,7 +57,8 @@ class NoiseEstimate:
 def estimate_noise(log: RobotLog, rounds: int = 8, *, seed: int = 0) -> NoiseEstimate:
     """Estimate how far a log's standard deviations are off: one factor for odometry, one for observations.
 
-    The proportions among the three numbers of a step, and the two of an observation, stay as the log has them.
+    The proportions among the three numbers of a step, and the two of an observation, stay as the log has them; so does
+    the noise of headings.
 
     Args:
         log: with steps, and objects that are seen in more than one pass; its own noise is where the search begins.

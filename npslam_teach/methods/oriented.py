@@ -134,9 +134,9 @@ class ChainHeadings:
     """Headings carried along the odometry alone, for which the errors of the robot's own heading are known exactly.
 
     The robot's heading is a random walk: each step adds its error to all that follow. What two passes say of one object
-    is therefore as uncertain as the walk between them. That positions tell of the robot's heading too, and that other
-    objects do, is left out, so the evidence is weaker than it could be, and never stronger by more than the noise is
-    described wrongly.
+    is therefore as uncertain as the walk between them; the object's own heading is integrated out. Two things are left
+    out: that positions and other objects tell of the robot's heading too, so that less is known here than could be; and
+    that an error of a turn shows in positions as well, whose evidence is counted as independent of this one.
     """
 
     theta: np.ndarray  # (M,) rad, in the frame of pose 0

@@ -8,7 +8,8 @@ apart, and how far drift may have carried them apart. It has no kernel and no th
 2. ``pose_graph.reduced_system``: chi2 as a quadratic form in the positions of the tracklets, all poses eliminated.
 3. ``annealing``: Gibbs moves and split-merge moves (``association.gibbs``), from hot to cold, several times.
    Headings count object by object: how well those of its tracklets agree, the error of the robot's own heading being
-   the random walk of the odometry (``oriented.ChainHeadings``); trajectory and map are of positions until the end.
+   the random walk of the odometry (``oriented.ChainHeadings``); trajectory and map are of positions until the end,
+   and so is what ``refinement`` looks at.
 4. ``refinement``: tracklets and observations looked at again with the whole map at hand, and those that were left out.
    For logs of few observations ``polish`` instead: every near rival judged around its own solution.
 """

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from npslam_teach import se2
 from npslam_teach.course.orientation import table
-from npslam_teach.course.orientation.hall_map import hall_handles, laid_over, noses, plot_hall, plot_noses
+from npslam_teach.course.orientation.hall_map import hall_handles, plot_hall, plot_noses
 from npslam_teach.experiments.back_to_back import DEGREES
 from npslam_teach.plotting.style import (
     CLASS_COLORS,
@@ -22,7 +22,6 @@ from npslam_teach.plotting.style import (
 )
 from npslam_teach.types import GroundTruth, RobotLog
 
-__all__ = ["laid_over", "noses"]  # of ``hall_map``, for the lesson
 LOOKS = {name: method_style(name) for name in ("np-graph", "ekf", "posterior")}
 LOOKS |= {"true identities": TRUTH_LINE | {"marker": "s"}}
 QUANTITIES = {"ari": "ARI (1 = perfect)", "pose_error": "mean pose error (m)"}

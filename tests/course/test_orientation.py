@@ -8,7 +8,7 @@ from exercises import assert_names_the_mistake, checks_and_solutions
 from readable import assert_readable
 
 from npslam_teach import plotting, se2
-from npslam_teach.course.orientation import checks, figures, pictures, table
+from npslam_teach.course.orientation import checks, figures, hall_map, pictures, table
 from npslam_teach.course.orientation import explorer as heading_explorer
 from npslam_teach.evaluation import evaluate
 from npslam_teach.experiments.back_to_back import DEGREES, answer, hall
@@ -109,7 +109,7 @@ def scene():
 
 
 def test_a_nose_begins_at_its_object_and_shows_where_it_faces():
-    x, y = pictures.noses(np.array([[1.0, 2.0], [0.0, 0.0]]), np.array([np.pi / 2, np.pi]), 0.5)
+    x, y = hall_map.noses(np.array([[1.0, 2.0], [0.0, 0.0]]), np.array([np.pi / 2, np.pi]), 0.5)
     np.testing.assert_allclose(x, [1.0, 1.0, np.nan, 0.0, -0.5, np.nan], atol=1e-12)
     np.testing.assert_allclose(y, [2.0, 2.5, np.nan, 0.0, 0.0, np.nan], atol=1e-12)
 
@@ -117,13 +117,13 @@ def test_a_nose_begins_at_its_object_and_shows_where_it_faces():
 def test_an_answer_is_laid_over_the_truth_with_its_headings(scene):
     log, truth = scene
     told = answer("true identities", log, truth)
-    path, xy, theta = pictures.laid_over(told, truth)
+    path, xy, theta = hall_map.laid_over(told, truth)
     assert np.linalg.norm(path[:, :2] - truth.poses[:, :2], axis=1).mean() < 0.15
     order = [truth.obs_object[told.labels == k][0] for k in range(8)]
     assert np.abs(se2.wrap(theta - truth.world.object_theta[order])).max() < 0.15
     assert np.linalg.norm(xy - truth.world.object_xy[order], axis=1).max() < 0.3
     without = answer("true identities", *hall(0, 0.0))
-    assert np.isnan(pictures.laid_over(without, truth)[2]).all()
+    assert np.isnan(hall_map.laid_over(without, truth)[2]).all()
 
 
 def test_sightings_of_a_pair_are_those_of_both_chairs(scene):

@@ -2,7 +2,7 @@
 
 from npslam_teach import plotting
 from npslam_teach.course.explorers import Explorer, choice
-from npslam_teach.course.orientation.pictures import hall_handles, laid_over, noses, plot_noses
+from npslam_teach.course.orientation.hall_map import hall_handles, laid_over, noses, plot_noses
 from npslam_teach.evaluation import evaluate
 from npslam_teach.experiments.back_to_back import DEGREES, answer, hall
 from npslam_teach.plotting import moving_map

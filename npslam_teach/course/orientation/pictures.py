@@ -1,4 +1,4 @@
-"""Pictures of lesson 14: noses that show a heading, what looks alike, means on a circle, and runs over the noise."""
+"""Pictures of lesson 14: what looks alike, means on a circle, two gates, halls, and runs over the noise."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -6,15 +6,12 @@ from matplotlib.figure import Figure
 
 from npslam_teach import se2
 from npslam_teach.course.orientation import table
-from npslam_teach.evaluation import align_to_truth
+from npslam_teach.course.orientation.hall_map import hall_handles, plot_hall, plot_noses
 from npslam_teach.experiments.back_to_back import DEGREES
-from npslam_teach.plotting import plot_objects, plot_trajectory
 from npslam_teach.plotting.style import (
     CLASS_COLORS,
     ESTIMATE_COLOR,
-    TRUTH_COLOR,
     TRUTH_LINE,
-    class_handles,
     class_style,
     label_axes,
     label_map,
@@ -22,77 +19,12 @@ from npslam_teach.plotting.style import (
     legend_beside,
     method_style,
     new_figure,
-    path_handles,
 )
-from npslam_teach.types import GroundTruth, RobotLog, Snapshot
+from npslam_teach.types import GroundTruth, RobotLog
 
-NOSE = 0.3  # m, how long the line is that shows which way something faces
 LOOKS = {name: method_style(name) for name in ("np-graph", "ekf", "posterior")}
 LOOKS |= {"true identities": TRUTH_LINE | {"marker": "s"}}
 QUANTITIES = {"ari": "ARI (1 = perfect)", "pose_error": "mean pose error (m)"}
-
-
-def noses(xy: np.ndarray, theta: np.ndarray, length: float = NOSE) -> np.ndarray:
-    """Lines (2, 3K) that show where things face, with gaps between them, for ``Line2D.set_data``.
-
-    Args:
-        xy: (K, 2) m.
-        theta: (K,) rad.
-        length: m.
-    """
-    tips = xy + length * np.column_stack([np.cos(theta), np.sin(theta)])
-    return np.stack([xy, tips, np.full_like(tips, np.nan)], axis=1).reshape(-1, 2).T
-
-
-def plot_noses(ax: Axes, xy: np.ndarray, theta: np.ndarray, truth: bool = False, **style) -> Axes:
-    """Which way things face: a line from the middle of each; grey and wide for the truth.
-
-    Args:
-        ax: a map.
-        xy: (K, 2) m, W.
-        theta: (K,) rad, W.
-        truth: whether they really face so.
-        style: of the lines.
-    """
-    look = {"color": TRUTH_COLOR, "linewidth": 4.0, "alpha": 0.6, "zorder": 1.7}
-    look = look if truth else {"color": ESTIMATE_COLOR, "linewidth": 1.6, "zorder": 2.7}
-    ax.plot(*noses(np.asarray(xy), np.asarray(theta)), **look | style)
-    return ax
-
-
-def laid_over(snapshot: Snapshot, truth: GroundTruth) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Path (T, 3), objects (K, 2) and their headings (K,), moved to fit the true path best; NaN without headings."""
-    graph = snapshot.graph
-    motion = align_to_truth(graph.poses, truth)
-    known = graph.landmarks.shape[1] == 3
-    theta = graph.landmarks[:, 2] + motion[2] if known else np.full(len(graph.landmarks), np.nan)
-    return se2.compose(motion, graph.poses), se2.apply(motion, graph.landmark_xy), theta
-
-
-def plot_hall(ax: Axes, snapshot: Snapshot, truth: GroundTruth, title: str) -> Axes:
-    """The hall as it is, hollow and grey, and as a method believes it is.
-
-    Args:
-        ax: a map.
-        snapshot: the estimate.
-        truth: behind it.
-        title: of the map.
-    """
-    world, (path, xy, theta) = truth.world, laid_over(snapshot, truth)
-    plot_trajectory(ax, truth.poses, truth=True)
-    plot_objects(ax, world.object_xy, world.object_class, world.class_names, truth=True)
-    plot_noses(ax, world.object_xy, world.object_theta, truth=True)
-    plot_trajectory(ax, path)
-    sizes = 12 * np.sqrt(snapshot.votes[:, 1:].sum(axis=1))
-    plot_objects(ax, xy, np.zeros(len(xy), dtype=int), world.class_names, sizes=sizes)
-    plot_noses(ax, xy, theta)
-    return label_map(ax, title)
-
-
-def hall_handles(truth: GroundTruth) -> list:
-    """The legend of ``plot_hall``."""
-    paths = path_handles(("estimated path", "true path", "true object"))
-    return class_handles([0], truth.world.class_names) + paths
 
 
 def pair_figure(log: RobotLog, truth: GroundTruth, pair: int) -> Figure:
@@ -130,9 +62,8 @@ def alike_figure(smallest_turn) -> Figure:
     for k, (name, symmetry) in enumerate({"chair, 1": 1, "table, 2": 2, "square, 4": 4, "cup, 0": 0}.items()):
         found = np.asarray(smallest_turn(turn, symmetry), dtype=float)
         found[np.abs(np.diff(found, prepend=found[0])) > 0.5] = np.nan  # no line where it leaps
-        ax.plot(
-            np.rad2deg(turn), np.rad2deg(found), color=CLASS_COLORS[k], linestyle=("-", "--", "-.", ":")[k], label=name
-        )
+        style = {"color": CLASS_COLORS[k], "linestyle": ("-", "--", "-.", ":")[k], "label": name}
+        ax.plot(np.rad2deg(turn), np.rad2deg(found), **style)
     ax.set_xticks(range(-180, 181, 60))
     ax.set_yticks(range(-180, 181, 90))
     legend_beside(ax)
@@ -198,11 +129,10 @@ def distances_figure(position: np.ndarray, joint: np.ndarray, gate: float) -> Fi
         ax.plot([0.1, 300], [0.1, 300], **TRUTH_LINE)
         ax.axhline(gate, color=CLASS_COLORS[1], linestyle="-.")
         ax.set(xscale="log", yscale="log", xlim=(0.05, 400), ylim=(0.05, 400))
-        label_axes(
-            ax, "squared distance to the right chair", "to the other chair", f"{name}: {nearer:.0%} nearer to the right"
-        )
-        ax.set_xticks([0.1, 1, 10, 100], ["0.1", "1", "10", "100"])
-        ax.set_yticks([0.1, 1, 10, 100], ["0.1", "1", "10", "100"])
+        title = f"{name}: {nearer:.0%} nearer to the right"
+        label_axes(ax, "squared distance to the right chair", "to the other chair", title)
+        ticks = [0.1, 1, 10, 100]
+        ax.set(xticks=ticks, xticklabels=map(str, ticks), yticks=ticks, yticklabels=map(str, ticks))
         ax.minorticks_off()
     axes[1].set_ylabel("")
     return figure

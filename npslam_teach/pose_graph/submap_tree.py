@@ -132,7 +132,13 @@ class SubmapTree:
         for node in self._bent[:MOST_BENT] or self._whose_turn():
             mark(node)
         del self._bent[:MOST_BENT]
-        self.redone += condense(self._top, self._is_asked_for)
+        try:
+            self.redone += condense(self._top, self._is_asked_for)
+        except np.linalg.LinAlgError:
+            # Second derivatives may leave less at every level, until nothing is left: all anew, by Gauss-Newton alone.
+            for leaf in self._leaves:
+                mark(leaf)
+            self.redone += condense(self._top, self._is_asked_for, bends=False)
         return self._top.part
 
     def solve(self, walk: int = WALK) -> np.ndarray:

@@ -108,10 +108,9 @@ class SubmapTree:
     def activate(self, landmarks: np.ndarray, active: bool = True) -> None:
         """Have landmarks (k,) among the variables of ``front``, or no longer."""
         for landmark in landmarks:
-            if active and not self._active[landmark]:
-                self._active[landmark] = True
+            is_new, self._active[landmark] = active and not self._active[landmark], active
+            if is_new:
                 self._lift(landmark)
-            self._active[landmark] = active
 
     def merge(self, gone: int, stays: int) -> None:
         """What were two landmarks is one."""

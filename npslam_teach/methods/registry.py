@@ -96,7 +96,7 @@ _ALL = (
     Method(
         "online",
         online,
-        {"color": "#7a7a7a", "linestyle": (0, (5, 2, 1, 2)), "marker": "d"},
+        {"color": "#1800a8", "linestyle": (0, (5, 2, 1, 2)), "marker": "d"},
         "the log's noise is right; an association is final a hundred poses after the object went out of sight, but for "
         "whole objects that prove to be one; what is seen once only is taken for clutter",
         sees_classes=True,

@@ -142,7 +142,7 @@ class Joint:
         self.parent, self.stale, self.part, self.grows = None, True, None, False
         self._ids, self._values = None, None
 
-    def condense(self, kept: Kept) -> None:
+    def condense(self, kept: Kept, bends: bool = True) -> None:
         """Add both up around the latest values, and eliminate the seam and the landmarks that nobody asks for."""
         first, second = self.left.part, self.right.part
         ids = np.union1d(first.ids, second.ids)
@@ -152,7 +152,7 @@ class Joint:
         asked = kept(ids, self.begin, self.end)
         self._inside = np.append([3, 4, 5], variables(np.flatnonzero(~asked), 6))
         self._outside = np.append([0, 1, 2], variables(np.flatnonzero(asked), 6))
-        self._left = left = eliminate_at_seam(seam, self._inside, self._outside)
+        self._left = left = eliminate_at_seam(seam, self._inside, self._outside, bends)
         at = self._lin[self._outside]
         self.part = Submap(ids[asked], at, left.gradient, left.information, left.constant)
         self.stale, self._ids, self._values, self.latest = False, ids, self._lin, at
@@ -206,12 +206,15 @@ def mark(node) -> None:
         node.stale, node = True, node.parent
 
 
-def condense(node, kept: Kept) -> int:
-    """Condense what is stale, from the leaves up; how many stretches and joints that were."""
+def condense(node, kept: Kept, bends: bool = True) -> int:
+    """Condense what is stale, from the leaves up, with second derivatives or without; how many nodes that were."""
     if not node.stale:
         return 0
-    below = sum(condense(child, kept) for child in (node.left, node.right)) if isinstance(node, Joint) else 0
-    node.condense(kept)
+    if not isinstance(node, Joint):
+        node.condense(kept)
+        return 1
+    below = sum(condense(child, kept, bends) for child in (node.left, node.right))
+    node.condense(kept, bends)
     return below + 1
 
 

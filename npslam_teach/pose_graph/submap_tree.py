@@ -108,10 +108,9 @@ class SubmapTree:
     def activate(self, landmarks: np.ndarray, active: bool = True) -> None:
         """Have landmarks (k,) among the variables of ``front``, or no longer."""
         for landmark in landmarks:
-            if active and not self._active[landmark]:
-                self._active[landmark] = True
+            is_new, self._active[landmark] = active and not self._active[landmark], active
+            if is_new:
                 self._lift(landmark)
-            self._active[landmark] = active
 
     def merge(self, gone: int, stays: int) -> None:
         """What were two landmarks is one."""
@@ -132,7 +131,13 @@ class SubmapTree:
         for node in self._bent[:MOST_BENT] or self._whose_turn():
             mark(node)
         del self._bent[:MOST_BENT]
-        self.redone += condense(self._top, self._is_asked_for)
+        try:
+            self.redone += condense(self._top, self._is_asked_for)
+        except np.linalg.LinAlgError:
+            # Second derivatives may leave less at every level, until nothing is left: all anew, by Gauss-Newton alone.
+            for leaf in self._leaves:
+                mark(leaf)
+            self.redone += condense(self._top, self._is_asked_for, bends=False)
         return self._top.part
 
     def solve(self, walk: int = WALK) -> np.ndarray:

@@ -99,15 +99,15 @@ class Seam(NamedTuple):
     jacobian: np.ndarray  # (n, 3 + n) of these by the variables of_second
 
 
-def eliminate_at_seam(seam: Seam, inside: np.ndarray, outside: np.ndarray) -> Eliminated:
+def eliminate_at_seam(seam: Seam, inside: np.ndarray, outside: np.ndarray, bends: bool = True) -> Eliminated:
     """``eliminate`` for two submaps, with second derivatives where a clear minimum is left, else without them.
 
     Without them a seam that turns leaves behind it the forces that hold a closed loop in balance, and a tree in which
     only a few submaps at a time are linearized anew swings about its minimum instead of coming to rest.
     """
-    information = seam.bent
+    information = seam.bent if bends else seam.information
     try:
-        np.linalg.cholesky(seam.bent - LEAST_SHARE * seam.information)
+        np.linalg.cholesky(information - LEAST_SHARE * seam.information)
     except np.linalg.LinAlgError:
         information = seam.information
     return eliminate(information, seam.gradient, seam.constant, inside, outside)

@@ -2,7 +2,6 @@
 
 from itertools import islice
 
-import numpy as np
 import pytest
 
 from npslam_teach.course.online import table
@@ -30,13 +29,13 @@ def test_a_row_is_what_a_run_gives(case):
 
 
 def test_the_tree_keeps_its_promises():
-    """From the second tenth on, in the runs of the table: flat, and far below 50 ms in all but one of a hundred."""
+    """From the second tenth on, in the runs of the table: no slower by a fifth; 99 frames of 100 far below 50 ms."""
     for case, rooms, seed, tenths in RUNS:
         if tenths >= 2:
             assert table.column("p99_ms", case, rooms, seed).max() < 50
         if case == "told" and tenths >= 2:
             median = table.column("median_ms", case, rooms, seed)[1:]
-            assert np.ptp(median) <= 0.25 * np.median(median)
+            assert median.max() <= 1.2 * median[0]
 
 
 def test_there_and_back(tmp_path, monkeypatch):

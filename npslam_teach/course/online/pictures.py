@@ -30,6 +30,7 @@ def plot_information(ax: Axes, information: np.ndarray, names, title: str) -> Ax
         names: of the variables.
         title: of the plot.
     """
+    ax.grid(False)
     largest = np.abs(information).max()
     ax.imshow(information, cmap="PuOr", vmin=-largest, vmax=largest)
     for (i, j), value in np.ndenumerate(information):

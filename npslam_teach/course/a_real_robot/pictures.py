@@ -163,7 +163,7 @@ def plot_honesty(axes, chi2_per_dof: np.ndarray, nees: np.ndarray, dof: int) -> 
         title += f": median {np.median(values):.2g}"
         if k == 0:
             ax.axhspan(low, high, color="0.85")
-            title += " (grey: 95 % of consistent graphs)"
+            title += " (grey: 95 % if consistent)"
         ax.axhline(1.0, **TRUTH_LINE)
         ax.xaxis.set_major_locator(MaxNLocator(integer=True))
         ax.plot(np.arange(len(values)), values, linestyle="none", marker=marker, color=color, markersize=8)

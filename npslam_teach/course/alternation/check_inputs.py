@@ -23,6 +23,9 @@ def one_alternation_inputs() -> tuple[list, dict]:
         "with two sightings whose weight, 0.35, lies between two values of alpha": [
             _frame(pair, np.arange(2), alpha) for alpha in (0.25, 0.45)
         ],
+        "with three sightings of which a second sweep would move one: ask each once": [
+            _frame(np.array([[1.5, 0.0], [1.7, 0.0], [1.0, 0.0]]), np.arange(3), 0.5)
+        ],
         "with three sightings that stay together because they are": [_frame(three, np.zeros(3, dtype=int), 0.5)],
     }
     return [each for _ in range(2) for each in _rounds()], edges

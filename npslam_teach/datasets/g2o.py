@@ -67,9 +67,8 @@ def load_g2o(path) -> PoseGraph:
 def _ids_of(pose_index: dict, landmark_index: dict) -> dict:
     """What the graph keeps: nothing where the ids are those that ``save_g2o`` gives anyway."""
     ids = [*pose_index, *landmark_index]
-    if ids == list(range(len(ids))):
-        return {}
-    return {"pose_ids": tuple(pose_index), "landmark_ids": tuple(landmark_index)}
+    named = {"pose_ids": tuple(pose_index), "landmark_ids": tuple(landmark_index)}
+    return {} if ids == list(range(len(ids))) else named
 
 
 def save_g2o(path, graph: PoseGraph) -> None:
@@ -108,8 +107,7 @@ def turned_information(between: BetweenFactors, sign: int) -> BetweenFactors:
     turn[:, 1, 0] = np.sin(theta)
     turn[:, 0, 1] = -turn[:, 1, 0]
     information = turn @ between.information @ turn.swapaxes(1, 2)
-    # The product is symmetric only up to rounding.
-    return replace(between, information=(information + information.swapaxes(1, 2)) / 2)
+    return replace(between, information=(information + information.swapaxes(1, 2)) / 2)  # symmetric to the last bit
 
 
 def _lines(tag: str, ids: list, measurement: np.ndarray, information: np.ndarray | None = None):

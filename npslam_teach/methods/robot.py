@@ -47,7 +47,7 @@ class Online:
             num_classes: C.
             odometry_std: (3,) m, m, rad per step, of steps that bring no covariance of their own.
             observation_std: (2,) m, likewise.
-            alpha: concentration of the Dirichlet process.
+            alpha: how many objects are expected where none was seen, per object where some were.
             seed: of the random numbers.
             settings: ``window`` in poses, ``area`` in m^2 (None: the box around all that was seen so far).
         """

@@ -12,6 +12,7 @@ O(log n) algorithm for indoor simultaneous localization and mapping", 2006).
 
 The bound: a joint costs O(b^3) for b landmarks that both sides share with the rest. In a building that is driven row
 by row these are the landmarks seen from two rows, so that b grows with the width of the building, not with the drive.
+There is no control of steps: where wrong mergers bend a large building, the estimate may diverge, and an error is raised.
 """
 
 import math
@@ -135,8 +136,7 @@ class SubmapTree:
             self.redone += condense(self._top, self._is_asked_for)
         except np.linalg.LinAlgError:
             # Second derivatives may leave less at every level, until nothing is left: all anew, by Gauss-Newton alone.
-            for leaf in self._leaves:
-                mark(leaf)
+            list(map(mark, self._leaves))
             self.redone += condense(self._top, self._is_asked_for, bends=False)
         return self._top.part
 
@@ -193,8 +193,7 @@ class SubmapTree:
 
     def linearized_anew(self) -> PoseGraph:
         """The graph after one step of Newton's method on the whole tree: time in proportion to the drive."""
-        for leaf in self._leaves:
-            mark(leaf)
+        list(map(mark, self._leaves))
         self.solve(0)
         return self.graph()[0]
 

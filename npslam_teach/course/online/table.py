@@ -1,4 +1,7 @@
-"""The runs of lesson 15, made in advance: ``runs.csv``, which ``experiments.online_rooms`` can make again."""
+"""The runs of lesson 15, made in advance: ``runs.csv``, which ``experiments.online_rooms`` can make again.
+
+``methods.md`` is the table of all methods, from ``experiments.method_table``.
+"""
 
 from functools import cache
 from pathlib import Path
@@ -8,6 +11,7 @@ import numpy as np
 from npslam_teach.experiments.online_rooms import read_table
 
 FILE = Path(__file__).parent / "runs.csv"
+METHODS_FILE = FILE.with_name("methods.md")
 
 
 @cache
@@ -32,3 +36,8 @@ def column(name: str, case: str, rooms: int, seed: int = 0) -> np.ndarray:
     if not rows:
         raise ValueError(f"case: expected one that was run in {rooms} rooms, got {case!r} of seed {seed}")
     return np.array([row[name] for row in rows])
+
+
+def methods() -> str:
+    """Every method beside every other, in Markdown."""
+    return METHODS_FILE.read_text(encoding="utf-8")

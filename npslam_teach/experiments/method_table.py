@@ -35,6 +35,7 @@ NEEDS = {  # what somebody must know or choose
     "frame-by-frame": "nothing",
     "ekf": "noise, two gates",
     "soft-em": "noise, gates for its start",
+    "online": "noise, alpha, area, a window",
     "posterior": "noise, alpha, area",
 }
 HEAD = ("method", "needs", "right number", "exact, by noise", "recordings", "pose error, m", "s", "MB")

@@ -1,0 +1,61 @@
+"""The table of all methods says what its rows say."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from npslam_teach.experiments import method_table
+from npslam_teach.experiments.sweep import COLUMNS
+from npslam_teach.experiments.sweep_files import read_rows
+from npslam_teach.methods import METHODS
+
+ROOT = Path(__file__).parents[2]
+RESULTS = ROOT / "tests" / "benchmarks" / "results"
+
+
+def row(method, noise, seed, objects, ari, **more):
+    values = {"scene": "fifteen_objects", "scale": "sensor", "objects_true": 15, "pose_error": 0.5, "seconds": 0.25}
+    values |= {"method": method, "noise": noise, "seed": seed, "objects": objects, "ari": ari}
+    return dict.fromkeys(COLUMNS) | values | more
+
+
+def cells(text):
+    lines = [line for line in text.splitlines() if line.startswith("|")][2:]
+    return {each[0]: each for each in ([cell.strip() for cell in line.strip("|").split("|")] for line in lines)}
+
+
+def test_a_line_is_what_its_runs_say():
+    rows = [row("ekf", 1.0, 0, 15, 0.999), row("ekf", 1.0, 1, 15, 0.9, pose_error=0.7), row("ekf", 3.0, 0, 14, 1.0)]
+    rows += [row("posterior", noise, seed, 15, 1.0) for noise in (1.0, 3.0) for seed in (0, 1)]
+    real = [row("ekf", 0.0, 0, 15, 0.95, scene="a.npz"), row("ekf", 0.0, 0, 16, 0.97, scene="b.npz")]
+    found = cells(method_table.markdown(rows, real, {"ekf": 12.3, "posterior": None}))
+    assert list(found) == ["ekf", "posterior"], "in the order of the methods"
+    assert found["ekf"][2:] == ["2 of 2", "1: 1, 3: 0", "1 of 2, ARI from 0.95", "0.60, 0.50", "0.25", "12"]
+    assert found["posterior"][2:] == ["2 of 2", "1: 2, 3: 2", "", "0.50, 0.50", "0.25", ""]
+
+
+def test_every_method_says_what_it_needs():
+    assert method_table.NEEDS.keys() == METHODS.keys()
+
+
+def test_a_run_takes_memory():
+    megabytes = method_table.megabytes_of("np-graph")
+    assert megabytes is None or 0 < megabytes < 500
+
+
+def test_the_committed_table_is_that_of_the_committed_rows():
+    """All but the memory, which is measured anew each time."""
+    rows, real = read_rows(RESULTS / "methods.csv"), read_rows(RESULTS / "recordings.csv")
+    assert {each["method"] for each in rows} == {each["method"] for each in real} == METHODS.keys()
+    assert {each["noise"] for each in rows} == {1.0, 2.0, 3.0, 4.0, 6.0}
+    assert all(each["error"] is None for each in [*rows, *real])
+    committed = (RESULTS / "methods.md").read_text(encoding="utf-8")
+    megabytes = {name: float(line[-1] or "nan") for name, line in cells(committed).items()}
+    assert committed == method_table.markdown(rows, real, megabytes)
+
+
+@pytest.mark.parametrize("page", ["README.md", "notebooks/teaching_guide.md"])
+def test_pages_show_the_committed_table(page):
+    table = re.search(r"(^\|.*\n)+", (RESULTS / "methods.md").read_text(encoding="utf-8"), re.MULTILINE).group(0)
+    assert table in (ROOT / page).read_text(encoding="utf-8")

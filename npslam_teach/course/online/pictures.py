@@ -30,16 +30,16 @@ def plot_information(ax: Axes, information: np.ndarray, names, title: str) -> Ax
         names: of the variables.
         title: of the plot.
     """
-    ax.grid(False)
     largest = np.abs(information).max()
     ax.imshow(information, cmap="PuOr", vmin=-largest, vmax=largest)
     for (i, j), value in np.ndenumerate(information):
         if abs(value) > 1e-12:
-            dark = abs(value) > 0.6 * largest
+            dark = abs(value) > 0.45 * largest
             ax.text(j, i, f"{value:.3g}", ha="center", va="center", color="white" if dark else "black")
     ax.set_xticks(range(len(names)), names)
     ax.set_yticks(range(len(names)), names)
-    return label_axes(ax, "variable", "variable", title)
+    label_axes(ax, "variable", "variable", title).grid(False)
+    return ax
 
 
 def plot_tree(ax: Axes, sizes: list[int], title: str) -> Axes:

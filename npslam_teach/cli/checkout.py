@@ -61,7 +61,8 @@ def test(options) -> int:
     workers = ["-n", str(count), "--dist", "loadscope", "--no-loadscope-reorder"]
     plugins = ["-p", "xdist.plugin", "-p", "nbval.plugin"]
     # Plugins that somebody else has installed here are not asked.
-    alone = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    # Workers and kernels of one thread each: several, that wait for each other, take several times as long.
+    alone = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     return _run_module(["pytest", *plugins, *workers, *how, *what, *options.extra], alone)
 
 

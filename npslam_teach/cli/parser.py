@@ -180,6 +180,8 @@ def _add_settings(solve) -> None:
     orders = ("last-to-first", "first-to-last")
     solve.add_argument("--order", choices=orders, help="in which observations are visited (default last-to-first)")
     solve.add_argument("--iterations", type=count, metavar="N", help="alternations at most (default 5)")
+    text = "online: poses out of sight after which an association is final (default 100)"
+    solve.add_argument("--window", type=count, metavar="N", help=text)
     solve.add_argument("--gate", type=number, metavar="P", help="ekf: the share of right matches to let through")
     text = "first estimate odometry-std and observation-std from the log itself, and use them instead of the log's own"
     solve.add_argument("--estimate-noise", action="store_true", help=text)

@@ -22,7 +22,8 @@ from npslam_teach.types import PoseGraph, RobotLog
 
 LEAST_SAMPLES = 16  # four for each chain: fewer tell nothing of how they agree
 MINDS_THE_NOISE = ("np-graph", "ekf", "soft-em", "posterior")  # of the others no other noise would mend the answer
-GIVEN = "alpha threshold kernel_std odometry_std observation_std area order iterations gate exclusive starts".split()
+GIVEN = "alpha threshold kernel_std odometry_std observation_std area order iterations gate window".split()
+GIVEN += ["exclusive", "starts"]
 
 
 def settings_name(options) -> str:

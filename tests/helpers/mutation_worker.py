@@ -25,9 +25,9 @@ from npslam_teach.methods import METHODS
 from npslam_teach.pose_graph import observation_factors, odometry_factors
 
 MEGABYTE = 1 << 20
-# Every method in turn, the slow one half as often. Their number shares no divisor with the rounds of damage, so that
+# Every method in turn, the slow ones half as often. Their number shares no divisor with the rounds of damage, so that
 # every method meets every kind of it.
-METHODS_IN_TURN = (*METHODS, *(name for name in METHODS if name != "posterior"))
+METHODS_IN_TURN = (*METHODS, *(name for name in METHODS if name not in ("online", "posterior")))
 
 
 def main(suffix: str, first: int, last: int, step: int, folder: Path, bases: dict | None) -> None:
@@ -143,7 +143,8 @@ def wrong_with_graph(result: dict, path: Path) -> str | None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the command has said so already
         graph = datasets.load_g2o(path)
-    initial = chi2_of_text(path)
+    # Where all poses are at one place, it sets out from the odometry.
+    initial = None if (graph.poses == graph.poses[0]).all() else chi2_of_text(path)
     if initial is not None and not close(result["chi2_initial"], initial, 1e-6):
         return f"chi2_initial is {result['chi2_initial']}, by the text of the file it is {initial}"
     solved = moved(graph, result["poses"], result["landmarks"])

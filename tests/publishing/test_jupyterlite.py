@@ -30,7 +30,7 @@ pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "npslam_teach"
 PYODIDE = json.loads((Path(__file__).parents[1] / "pyodide.json").read_text(encoding="utf-8"))
-SWEEPS = ("experiments/executors.py", "experiments/sweep_files.py")  # over many processes, and their tables
+SWEEPS = tuple(f"experiments/{name}.py" for name in ("executors", "sweep_files", "method_table"))  # many processes
 # Commands that make or serve files on a person's own machine; no lesson imports them.
 AT_HOME = ("__main__.py", "cli", "publishing", "system", "datasets/download.py", *SWEEPS)
 # Modules that Python in a browser lacks, or that do not work there.

@@ -127,6 +127,20 @@ def m_step() -> Drawing:
     return floor_map(inputs, lambda places, *_: places, style="o")
 
 
+def smallest_turn() -> Drawing:
+    """Lesson 14: how far a table is turned, as far as anybody can see, by how far it was turned."""
+    turn = np.linspace(-3, 3, 121)
+    inputs = [(np.array([each]), 2) for each in turn]
+    return curve(inputs, turn, "turn of a table (rad)", "smallest turn that looks alike (rad)")
+
+
+def join_gain() -> Drawing:
+    """Lesson 15: what it gains to join a pass and an old object, by how far apart they lie."""
+    distance = np.linspace(0, 3, 61)
+    inputs = [(np.array([each, 0.0]), np.diag([0.25, 0.25]), 0.01) for each in distance]
+    return curve(inputs, distance, "pass and old object apart (m), drift 0.5 m", "gain of joining (nats)")
+
+
 def _path_of_round(answer, log: RobotLog, *_) -> np.ndarray:
     """The poses of the second thing returned: a graph, or what the check makes of it, chi2 and the poses' numbers."""
     graph = answer[1]

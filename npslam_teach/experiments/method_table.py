@@ -8,7 +8,7 @@ all of them with commas between:
         --out RESULTS/methods.csv
     python3 -m npslam_teach sweep --methods METHODS --settings sensor --noise 0 --seeds 1 --scenes RECORDINGS \
         --out RESULTS/recordings.csv
-    python3 -m npslam_teach.experiments.method_table RESULTS npslam_teach/course/online/methods.md
+    python3 -m npslam_teach.experiments.method_table RESULTS
 
 A run is *exact* when it finds exactly the true number of objects with an
 adjusted Rand index of at least 0.99 over all observations, those that it leaves out included.
@@ -120,14 +120,13 @@ def _line(status: Path, name: str) -> int:
     return next(int(line.split()[1]) for line in status.read_text().splitlines() if line.startswith(name))
 
 
-def main(results: str, copy: str) -> None:
-    """Write ``methods.md`` beside the rows of the sweeps, and a copy that travels with the course."""
+def main(results: str) -> None:
+    """Write ``methods.md`` beside the rows of the sweeps; lesson 15, README and guide show the same table."""
     folder = Path(results)
     rows, recordings = read_rows(folder / "methods.csv"), read_rows(folder / "recordings.csv", may_be_missing=True)
     text = markdown(rows, recordings, {name: megabytes_of(name) for name in dict.fromkeys(r["method"] for r in rows)})
-    for path in (folder / "methods.md", Path(copy)):
-        with atomic_write(path) as stream:
-            stream.write(text)
+    with atomic_write(folder / "methods.md") as stream:
+        stream.write(text)
 
 
 if __name__ == "__main__":

@@ -5,10 +5,13 @@ from functools import partial
 
 import numpy as np
 
+from npslam_teach.course import drawings
 from npslam_teach.course.checking import Verdict
 from npslam_teach.course.trials import Part, check_function, fresh
+from npslam_teach.course.verdict_page import exercise
 
 
+@exercise("15", 1, of=3)
 def check_without(without: Callable) -> Verdict:
     """Exercise 1: ``without(information, gone)``, the information of the variables that are left."""
 
@@ -47,6 +50,7 @@ def check_without(without: Callable) -> Verdict:
     return check_function(without, variant, Part("your information", mistakes), trials, edges, praise)
 
 
+@exercise("15", 2, of=3)
 def check_tree_sizes(tree_sizes: Callable) -> Verdict:
     """Exercise 2: ``tree_sizes(count)``, the sizes of the complete trees over so many leaves, largest first."""
 
@@ -68,6 +72,7 @@ def check_tree_sizes(tree_sizes: Callable) -> Verdict:
     return check_function(tree_sizes, variant, Part("your sizes", mistakes), trials, edges, praise)
 
 
+@exercise("15", 3, of=3)
 def check_join_gain(join_gain: Callable) -> Verdict:
     """Exercise 3: ``join_gain(off, cov, density)``, in nats."""
 
@@ -97,4 +102,4 @@ def check_join_gain(join_gain: Callable) -> Verdict:
         "far away": [(np.array([30.0, -40.0]), np.eye(2), 0.1)],
     }
     praise = "near and surely so gains much; where drift is wide, a neighbour proves little"
-    return check_function(join_gain, variant, Part("your gain", mistakes), trials, edges, praise)
+    return check_function(join_gain, variant, Part("your gain", mistakes), trials, edges, praise, drawings.join_gain())

@@ -147,7 +147,7 @@ def times_figure(runs: list[tuple]) -> Figure:
 
 def errors_figure(runs: list[tuple]) -> Figure:
     """Pose error over the drive: of the robot then and there, and of a batch with the same associations."""
-    figure, axes = new_figure(1, len(runs), (5.5 * len(runs), 4.4))
+    figure, axes = new_figure(1, len(runs), (min(5.5 * len(runs), 15.5), 4.4))
     for ax, run in zip(np.atleast_1d(axes), runs, strict=True):
         looks = {
             "error": ("on the way", method_style("online") | {"linestyle": "-"}),

@@ -4,6 +4,7 @@ from npslam_teach.course.predict import choice, questions
 
 predict = questions(
     "15",
+    exercises=3,
     middle=choice(
         "The middle pose is eliminated: what is between the other two?",
         ["nothing any more", "a spring half as strong", "a spring twice as strong", "the same spring"],

@@ -1,7 +1,4 @@
-"""The runs of lesson 15, made in advance: ``runs.csv``, which ``experiments.online_rooms`` can make again.
-
-``methods.md`` is the table of all methods, from ``experiments.method_table``.
-"""
+"""The runs of lesson 15, made in advance: ``runs.csv``, which ``experiments.online_rooms`` can make again."""
 
 from functools import cache
 from pathlib import Path
@@ -11,7 +8,6 @@ import numpy as np
 from npslam_teach.experiments.online_rooms import read_table
 
 FILE = Path(__file__).parent / "runs.csv"
-METHODS_FILE = FILE.with_name("methods.md")
 
 
 @cache
@@ -36,8 +32,3 @@ def column(name: str, case: str, rooms: int, seed: int = 0) -> np.ndarray:
     if not rows:
         raise ValueError(f"case: expected one that was run in {rooms} rooms, got {case!r} of seed {seed}")
     return np.array([row[name] for row in rows])
-
-
-def methods() -> str:
-    """Every method beside every other, in Markdown."""
-    return METHODS_FILE.read_text(encoding="utf-8")

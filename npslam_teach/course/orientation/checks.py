@@ -5,8 +5,10 @@ from functools import partial
 
 import numpy as np
 
+from npslam_teach.course import drawings
 from npslam_teach.course.checking import Verdict
 from npslam_teach.course.trials import Part, check_function, fresh
+from npslam_teach.course.verdict_page import exercise
 
 
 def _wrapped(turn, parts=1):
@@ -14,6 +16,7 @@ def _wrapped(turn, parts=1):
     return np.angle(np.exp(1j * parts * np.asarray(turn, dtype=float))) / parts
 
 
+@exercise("14", 1, of=4)
 def check_smallest_turn(smallest_turn: Callable) -> Verdict:
     """Exercise 1: ``smallest_turn(turn, symmetry)``, (N,) rad and n to (N,) rad."""
 
@@ -47,9 +50,12 @@ def check_smallest_turn(smallest_turn: Callable) -> Verdict:
         "after many whole turns": [(np.array([20.3, -31.0]), 2)],
     }
     praise = "half a turn of a table is no turn"
-    return check_function(smallest_turn, variant, Part("your turns", mistakes), trials, edges, praise)
+    return check_function(
+        smallest_turn, variant, Part("your turns", mistakes), trials, edges, praise, drawings.smallest_turn()
+    )
 
 
+@exercise("14", 2, of=4)
 def check_oriented_weights(oriented_weights: Callable) -> Verdict:
     """Exercise 2: ``oriented_weights(votes, distance, turn, kernel_std, heading_std)``, all (K,) but the widths."""
 
@@ -85,6 +91,7 @@ def check_oriented_weights(oriented_weights: Callable) -> Verdict:
     return check_function(oriented_weights, variant, Part("your weights", mistakes), trials, edges, praise)
 
 
+@exercise("14", 3, of=4)
 def check_mean_heading(mean_heading: Callable) -> Verdict:
     """Exercise 3: ``mean_heading(theta, symmetry)``, (N,) rad and n to rad in [-pi/n, pi/n)."""
 
@@ -120,6 +127,7 @@ def check_mean_heading(mean_heading: Callable) -> Verdict:
     return check_function(mean_heading, variant, Part("your mean", mistakes), trials, edges, praise)
 
 
+@exercise("14", 4, of=4)
 def check_joint_distance(joint_distance: Callable) -> Verdict:
     """Exercise 4: ``joint_distance(seen, expected, cov, symmetry)``, the squared distance of place and heading."""
 

@@ -4,6 +4,7 @@ from npslam_teach.course.predict import choice, questions
 
 predict = questions(
     "14",
+    exercises=4,
     one_cloud=choice(
         "Two chairs 0.25 m apart, a camera that errs by 0.15 m: what do their sightings look like?",
         ["two clouds with a gap between them", "one cloud", "two clouds that touch"],

@@ -30,6 +30,7 @@ def test_reproduce_prints_one_json_object(capsys):
     assert result["summary"]["np-graph"]["median_mean_pose_error"] == pytest.approx(np.median(errors))
 
 
+@pytest.mark.slow
 def test_reproduce_for_people_shows_the_papers_story(capsys):
     code, out, _ = call(capsys, "reproduce")
     assert code == 0

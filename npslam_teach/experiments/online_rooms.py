@@ -4,7 +4,7 @@ It is made by
 
     python -m npslam_teach.experiments.online_rooms npslam_teach/course/online/runs.csv
 
-in about twenty minutes on one core. A run is a drive through a grid of rooms at the paper's noise; a row is a tenth of
+in about half an hour on one core. A run is a drive through a grid of rooms at the paper's noise; a row is a tenth of
 it. A *case* says who decides which observation is of which object:
 
 =========== =========================================================================================

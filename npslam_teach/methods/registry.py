@@ -98,8 +98,8 @@ _ALL = (
         online,
         {"color": "#1800a8", "linestyle": (0, (5, 2, 1, 2)), "marker": "d"},
         "the log's noise is right; an association is final a hundred poses after the object went out of sight, but for "
-        "whole objects that prove to be one; a large building that wrong mergers bend may make it diverge; what is "
-        "seen once only is taken for clutter",
+        "whole objects that prove to be one; wrong mergers in a large building may make it diverge; what is seen once "
+        "only is taken for clutter",
         sees_classes=True,
         in_paper=False,
     ),

@@ -12,7 +12,7 @@ O(log n) algorithm for indoor simultaneous localization and mapping", 2006).
 
 The bound: a joint costs O(b^3) for b landmarks that both sides share with the rest. In a building that is driven row
 by row these are the landmarks seen from two rows, so that b grows with the width of the building, not with the drive.
-There is no control of steps: where wrong mergers bend a large building, the estimate may diverge (an error).
+Steps are not controlled: where wrong mergers bend a large building the estimate may diverge, and an error is raised.
 """
 
 import math

@@ -19,6 +19,7 @@ from npslam_teach.association.dirichlet_process import (
     expected_num_objects,
     log_partition_prior,
     require_alpha,
+    require_area,
     reweight,
 )
 from npslam_teach.association.exclusive import exclusive_sweep, one_to_one
@@ -68,6 +69,7 @@ __all__ = [
     "one_to_one",
     "plain_sweep",
     "require_alpha",
+    "require_area",
     "require_kernel",
     "require_rule",
     "reweight",

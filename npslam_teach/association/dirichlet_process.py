@@ -15,6 +15,12 @@ def require_alpha(alpha: float) -> float:
     return float(alpha)
 
 
+def require_area(area: float) -> None:
+    """Raise ``ValueError`` for an area over which objects cannot be uniform: it is positive and finite, in m^2."""
+    if not 0 < area < math.inf:
+        raise ValueError(f"area: expected a positive number of square metres, got {area}")
+
+
 def reweight(weights: np.ndarray, alpha: float) -> np.ndarray:
     """Make room for a new object among the old ones (deck figure 7; paper eq. 8).
 

@@ -64,7 +64,7 @@ class GibbsSampler:
         for k, tracklet in enumerate(order):
             if tracklet not in products:
                 products, ahead = self._products(order[k : k + ahead]), min(2 * ahead, MOST_AHEAD)
-            apart = self._apart(tracklet, products[tracklet])
+            apart = self.apart(tracklet, products[tracklet])
             slot, change = self.draw(*self._weights(tracklet, apart), temperature)
             if slot == self.slot[tracklet]:
                 continue
@@ -88,7 +88,7 @@ class GibbsSampler:
         """How the log posterior changes when a lone tracklet joins an object; -inf for a rival."""
         if self.evidence.rivals[tracklet, self.members[slot]].any():
             return -math.inf
-        density = _log_density(self._apart(tracklet), np.array([slot]))[0]
+        density = _log_density(self.apart(tracklet), np.array([slot]))[0]
         return float(density) + self.seating(self.members[slot], tracklet, +1)
 
     def saved(self) -> tuple:
@@ -101,7 +101,7 @@ class GibbsSampler:
 
     def split_off(self, tracklet: int, apart: _Apart | None = None) -> None:
         """Take a tracklet out of its object, alone into a slot of its own."""
-        apart = apart or self._apart(tracklet)
+        apart = apart or self.apart(tracklet)
         if apart.update is None:
             return
         if apart.slot == len(self.members):
@@ -132,7 +132,7 @@ class GibbsSampler:
         pairs = ((v[:, 2 * k : 2 * k + 2], s_v[:, 2 * k : 2 * k + 2]) for k in range(len(sharing)))
         return dict.fromkeys(tracklets.tolist()) | dict(zip(sharing, pairs, strict=True))
 
-    def _apart(self, tracklet: int, products: tuple | None = None) -> _Apart:
+    def apart(self, tracklet: int, products: tuple | None = None) -> _Apart:
         """Let a tracklet stand apart from its object by delta, which nothing else knows of.
 
         With ``l_t = l_i + delta`` the joint information of (l, delta) is [[J, V], [V^T, Lambda_tt]], V = A^T Lambda_t.
@@ -179,7 +179,7 @@ class GibbsSampler:
 
     def weights(self, tracklet: int) -> tuple[np.ndarray, np.ndarray]:
         """Where a tracklet may go once it is alone: slots, its own first; and how the log posterior changes there."""
-        return self._weights(tracklet, self._apart(tracklet))
+        return self._weights(tracklet, self.apart(tracklet))
 
     def _weights(self, tracklet: int, apart: _Apart) -> tuple[np.ndarray, np.ndarray]:
         open_slots = np.zeros(max(len(self.members), apart.slot + 1), dtype=bool)

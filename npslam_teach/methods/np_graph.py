@@ -13,6 +13,7 @@ from npslam_teach.association import (
     PAPER_KERNEL_STD,
     exclusive_sweep,
     false_positives,
+    require_area,
     require_rule,
     same_partition,
     sweep,
@@ -155,7 +156,6 @@ def _without_objects(log, current, rejected, stds, alpha, area) -> Snapshot:
 def _require_settings(iterations, area, false_positive_threshold) -> None:
     if iterations != int(iterations) or iterations < 0:
         raise ValueError(f"iterations: expected a non-negative integer, got {iterations}")
-    if not 0 < area < float("inf"):
-        raise ValueError(f"area: expected a positive number of square metres, got {area}")
+    require_area(area)
     if not 0 <= false_positive_threshold <= 1:
         raise ValueError(f"false_positive_threshold: expected a probability in [0, 1], got {false_positive_threshold}")

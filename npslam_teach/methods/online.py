@@ -16,7 +16,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.association import require_alpha
+from npslam_teach.association import require_alpha, require_area, without_empty_objects
 from npslam_teach.methods.gating import frames_of
 from npslam_teach.methods.noise import observation_covariances, step_covariances, with_noise
 from npslam_teach.methods.oriented import without_headings
@@ -61,8 +61,8 @@ def online(
     require_alpha(alpha)
     if window != int(window) or window < LONGEST_GAP:
         raise ValueError(f"window: expected a whole number of poses, {LONGEST_GAP} or more, got {window}")
-    if area is not None and not 0 < area < float("inf"):
-        raise ValueError(f"area: expected a positive number of square metres, got {area}")
+    if area is not None:
+        require_area(area)
     log = with_noise(without_headings(log), odometry_std, observation_std)
     yield initial_snapshot(log)
     ordered, back = in_time(log)
@@ -98,8 +98,7 @@ def so_far(robot: Online, log: RobotLog) -> tuple[np.ndarray, PoseGraph]:
     """What a robot believes now, as labels (M,) of a log and its graph; the rest of the path is dead reckoning."""
     graph, _ = robot.tree.graph()
     rest = se2.dead_reckoning(log.odometry[len(graph.poses) - 1 :], graph.poses[-1])
-    used, labels = np.unique(robot.labels, return_inverse=True)
-    labels -= np.count_nonzero(used < 0)
-    labels = np.append(labels, np.full(log.num_observations - len(labels), -1))
+    believed = without_empty_objects(robot.labels, robot.tree.landmarks())
+    labels = np.append(believed.labels, np.full(log.num_observations - len(believed.labels), -1))
     poses, factors = np.concatenate([graph.poses, rest[1:]]), (odometry_factors(log), observation_factors(log, labels))
-    return labels, PoseGraph(poses, robot.landmarks()[1], *factors)
+    return labels, PoseGraph(poses, believed.landmarks, *factors)

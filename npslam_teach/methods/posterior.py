@@ -19,7 +19,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from npslam_teach.association import require_alpha
+from npslam_teach.association import require_alpha, require_area
 from npslam_teach.methods.annealing import TEMPERATURES, Model, State, anneal, rivals_of, settled, tied_anew
 from npslam_teach.methods.noise import with_noise
 from npslam_teach.methods.oriented import ChainHeadings, without_headings
@@ -65,8 +65,8 @@ def posterior(
     require_alpha(alpha)
     if starts != int(starts) or starts < 1:
         raise ValueError(f"starts: expected a positive integer, got {starts}")
-    if area is not None and not 0 < area < float("inf"):
-        raise ValueError(f"area: expected a positive number of square metres, got {area}")
+    if area is not None:
+        require_area(area)
     log = with_noise(log, odometry_std, observation_std)
     yield initial_snapshot(log)
     if log.num_observations == 0:
@@ -99,7 +99,11 @@ def start_model(log: RobotLog, alpha: float = 1.0, area: float | None = None) ->
 
 def box_area(graph: PoseGraph) -> float:
     """The area in m^2 of the box around path and landmarks; of a line, that of the square above it."""
-    places = np.concatenate([graph.poses[:, :2], graph.landmark_xy])
+    return area_around(np.concatenate([graph.poses[:, :2], graph.landmark_xy]))
+
+
+def area_around(places: np.ndarray) -> float:
+    """The area in m^2 of the box around places (N, 2) m; of a line, that of the square above it; of a point 1."""
     width, height = np.sort(np.ptp(places, axis=0))[::-1]
     return float(width * (height if height > 1e-3 * width else width)) or 1.0
 

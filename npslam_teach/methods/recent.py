@@ -107,7 +107,7 @@ def without_doubtful(sampler: GibbsSampler, which: np.ndarray) -> None:
         which: indices of these tracklets, the oldest of each object not among them.
     """
     for tracklet in which:
-        apart = sampler._apart(tracklet)
+        apart = sampler.apart(tracklet)
         if apart.change > -DOUBT:
             sampler.split_off(tracklet, apart)
     sampler.refresh()

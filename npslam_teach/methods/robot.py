@@ -8,6 +8,7 @@ from npslam_teach import se2
 from npslam_teach.association import first_observations, require_alpha
 from npslam_teach.association.semantics import class_distances, log_likelihoods
 from npslam_teach.methods.gating import GATE, NEW, NEW_GATE, assign, squared_gates
+from npslam_teach.methods.posterior import area_around
 from npslam_teach.methods.recent import Front, asked_again, greedily, sampler_of, without_doubtful
 from npslam_teach.methods.sightings import Sightings
 from npslam_teach.methods.tracklets import LONGEST_GAP, Surroundings
@@ -168,7 +169,7 @@ class Online:
     def _asked(self, front: Front, labels: np.ndarray, new: np.ndarray, ask_all: bool) -> np.ndarray:
         """Labels (N,) of the tracklets at hand, after those that are new, or all of the window, were asked."""
         alpha = self._alpha * max(np.count_nonzero(self.books.alive), 1)
-        sampler = sampler_of(front, labels, self.books, alpha, self._area or self._box_area(), self._rng)
+        sampler = sampler_of(front, labels, self.books, alpha, self._area or area_around(self._box), self._rng)
         greedily(sampler, np.searchsorted(front.ids, new))
         if ask_all:
             asked_again(sampler, np.flatnonzero(np.isin(front.ids, self._recent)))
@@ -195,14 +196,6 @@ class Online:
             self.tree.merge(tracklet, stays)
             self.books.merge(tracklet, stays)
 
-    def _box_area(self) -> float:
-        """The area in m^2 of the box around path and objects so far; of a line, that of the square above it."""
-        width, height = np.sort(np.ptp(self._box, axis=0))[::-1]
-        return float(width * (height if height > 1e-3 * width else width)) or 1.0
-
     def _objects(self, tracklets: np.ndarray) -> np.ndarray:
         """The objects of tracklets (m,), as they are now; -1 stays."""
-        stays = np.array([*self.tree.stays, -1])
-        while (tracklets != stays[tracklets]).any():
-            tracklets = stays[tracklets]
-        return np.append(self.books.object, -1)[tracklets]
+        return np.append(self.books.object[self.tree.became()], -1)[tracklets]

@@ -6,6 +6,7 @@ A tracklet is a landmark of ``pose_graph.SubmapTree``. It belongs to an object, 
 import numpy as np
 
 from npslam_teach.association.semantics import floored
+from npslam_teach.pose_graph.rows import Rows
 
 
 class Sightings:
@@ -14,34 +15,33 @@ class Sightings:
     def __init__(self, num_classes: int):
         """Of none."""
         self._rows = {
-            "count": np.zeros(16, dtype=int),  # observations
-            "passes": np.zeros(16, dtype=int),  # tracklets that have become this one
-            "last_seen": np.zeros(16, dtype=int),  # pose
-            "alive": np.zeros(16, dtype=bool),  # has not become another
-            "object": np.zeros(16, dtype=int),  # its oldest tracklet
-            "seen": np.zeros((16, num_classes)),  # what they say of its class, logarithms, floored
-            "allowed": np.ones((16, num_classes), dtype=bool),  # by all of them
+            "count": Rows(dtype=int),  # observations
+            "passes": Rows(dtype=int),  # tracklets that have become this one
+            "last_seen": Rows(dtype=int),  # pose
+            "alive": Rows(dtype=bool),  # has not become another
+            "object": Rows(dtype=int),  # its oldest tracklet
+            "seen": Rows((num_classes,)),  # what they say of its class, logarithms, floored
+            "allowed": Rows((num_classes,), dtype=bool),  # by all of them
         }
-        self._size, self._beside, self.uncertain = 0, [], False  # whether any report was no certainty
+        self._beside, self.uncertain = [], False  # whether any report was no certainty
 
     def __len__(self) -> int:
-        return self._size
+        return len(self._beside)
 
     def __getattr__(self, name: str) -> np.ndarray:
         """The rows of a column, a view."""
         if name.startswith("_") or name not in self._rows:
             raise AttributeError(name)
-        return self._rows[name][: self._size]
+        return self._rows[name].array
 
     def begin(self) -> int:
         """A new tracklet, an object of its own."""
-        if self._size == len(self._rows["count"]):
-            self._rows = {name: np.concatenate([rows, np.zeros_like(rows)]) for name, rows in self._rows.items()}
-        self._size += 1
-        self.object[-1], self.passes[-1] = self._size - 1, 1
-        self.allowed[-1], self.alive[-1] = True, True
+        new = len(self)
+        values = {"count": 0, "passes": 1, "last_seen": 0, "alive": True, "object": new, "seen": 0.0, "allowed": True}
+        for name, rows in self._rows.items():
+            rows.append(values[name])
         self._beside.append(set())
-        return self._size - 1
+        return new
 
     def see(self, time: int, tracklets: list[int], reports: np.ndarray) -> None:
         """Tracklets (m,) are seen in one frame, with reports (m, C) of their classes."""

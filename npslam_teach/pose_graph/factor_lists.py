@@ -30,27 +30,25 @@ class FactorLists:
         self._sights.append((self.num_poses - 1, landmark, xy, information))
         return xy, root
 
-    def graph(self, poses: np.ndarray, landmarks: np.ndarray, stays: np.ndarray) -> tuple[PoseGraph, np.ndarray]:
+    def graph(self, poses: np.ndarray, landmarks: np.ndarray, became: np.ndarray) -> tuple[PoseGraph, np.ndarray]:
         """All of them as a graph.
 
         Args:
             poses: (T, 3) W.
             landmarks: (N, 2) m, W.
-            stays: (N,) the landmark that each has become, or itself.
+            became: (N,) the landmark that each has become, or itself.
 
         Returns:
             the graph; (N,) the landmark of the graph for each, -1 where it was never seen.
         """
-        while (stays != stays[stays]).any():
-            stays = stays[stays]
         pose, landmark, xy, information = _columns(self._sights, ((), (), (2,), (2, 2)))
-        used, place = np.unique(stays[landmark.astype(int)], return_inverse=True)
-        number = np.full(len(stays), -1)
+        used, place = np.unique(became[landmark.astype(int)], return_inverse=True)
+        number = np.full(len(became), -1)
         number[used] = np.arange(len(used))
         steps, of_steps = _columns(self._steps, ((3,), (3, 3)))
         i = np.arange(len(steps))
         factors = BetweenFactors(i, i + 1, steps, of_steps), ObservationFactors(pose, place, xy, information)
-        return PoseGraph(poses, landmarks[used], *factors), number[stays]
+        return PoseGraph(poses, landmarks[used], *factors), number[became]
 
 
 def _root(information: np.ndarray, size: int) -> np.ndarray:

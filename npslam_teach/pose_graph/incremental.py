@@ -9,6 +9,7 @@ from npslam_teach.pose_graph.covariance import joint_covariance
 from npslam_teach.pose_graph.linearization import chi2
 from npslam_teach.pose_graph.multi_start import optimize
 from npslam_teach.pose_graph.observability import require_connected
+from npslam_teach.pose_graph.rows import Rows
 from npslam_teach.types import BetweenFactors, ObservationFactors, PoseGraph
 from npslam_teach.validation import checked_array, checked_index
 
@@ -31,12 +32,12 @@ class IncrementalSolver:
 
     def __init__(self, start: np.ndarray = (0.0, 0.0, 0.0)):
         """Begin with pose 0, (3,) in W, which is held still."""
-        self._poses = _Rows((3,), [checked_array("start", start, (3,))])
-        self._landmarks = _Rows((2,))
-        self._between = {"i": _Rows((), dtype=int), "j": _Rows((), dtype=int), "relative_pose": _Rows((3,))}
-        self._between |= {"information": _Rows((3, 3))}
-        self._observations = {"pose": _Rows((), dtype=int), "landmark": _Rows((), dtype=int), "xy": _Rows((2,))}
-        self._observations |= {"information": _Rows((2, 2))}
+        self._poses = Rows((3,), [checked_array("start", start, (3,))])
+        self._landmarks = Rows((2,))
+        self._between = {"i": Rows((), dtype=int), "j": Rows((), dtype=int), "relative_pose": Rows((3,))}
+        self._between |= {"information": Rows((3, 3))}
+        self._observations = {"pose": Rows((), dtype=int), "landmark": Rows((), dtype=int), "xy": Rows((2,))}
+        self._observations |= {"information": Rows((2, 2))}
         self._settled = True
 
     @property
@@ -128,29 +129,6 @@ class IncrementalSolver:
             latest solution.
         """
         return joint_covariance(self.graph, len(self._poses) - 1, landmarks)
-
-
-class _Rows:
-    """An array that grows by rows; its room is doubled when it is full."""
-
-    def __init__(self, shape: tuple, rows=(), dtype=float):
-        self._room, self._length = np.zeros((16, *shape), dtype=dtype), 0
-        for row in rows:
-            self.append(row)
-
-    def __len__(self) -> int:
-        return self._length
-
-    @property
-    def array(self) -> np.ndarray:
-        """The rows so far, a view."""
-        return self._room[: self._length]
-
-    def append(self, row) -> None:
-        if self._length == len(self._room):
-            self._room = np.concatenate([self._room, np.zeros_like(self._room)])
-        self._room[self._length] = row
-        self._length += 1
 
 
 def _extend(columns: dict, factor) -> None:

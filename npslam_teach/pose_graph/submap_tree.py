@@ -1,18 +1,17 @@
 """A pose graph that grows with the drive, in bounded time per frame: a binary tree of submaps.
 
 The drive is cut into stretches of a few poses. Each is condensed into a quadratic form in its last pose and in those
-landmarks that are seen from outside (``submaps``), two neighbours into that of both, and so on up to the whole drive:
-the elimination order is a nested dissection in time, and the tree grows like a binary counter. A frame changes the
-newest stretch alone, so that only the joint of that one with all before is done again: three dozen poses, whatever the
-length of the drive. An old landmark that comes into view again, or that turns out to be another, has to be kept on the
-way from where it was eliminated up to the top: log2(T / 32) joints. Estimates of the past are found from the top down,
-a few joints per frame; what has turned so far that its linear model no longer holds is linearized anew, again a few
-per frame, and ``finish`` does all that is left. Treemap does the same with a tree over space (Frese, "Treemap: an
-O(log n) algorithm for indoor simultaneous localization and mapping", 2006).
+landmarks that are seen from outside (``submaps``), two neighbours into that of both, and so on up to the whole drive: a
+nested dissection in time; the tree grows like a binary counter. A frame changes the newest stretch alone, and only its
+joint with all before is done again, whatever the length of the drive. An old landmark that comes into view again, or
+turns out to be another, is kept on the way from where it was eliminated up to the top: log2(T / 32) joints. Estimates
+of the past are found from the top down, a few joints per frame; what has turned so far that its linear model no longer
+holds is linearized anew, a few per frame, and ``finish`` does the rest. Treemap does the same over space (Frese,
+"Treemap: an O(log n) algorithm for indoor simultaneous localization and mapping", 2006).
 
 The bound: a joint costs O(b^3) for b landmarks that both sides share with the rest. In a building that is driven row
-by row these are the landmarks seen from two rows, so that b grows with the width of the building, not with the drive.
-Steps are not controlled: where wrong mergers bend a large building the estimate may diverge, and an error is raised.
+by row they are those seen from two rows: b grows with its width, not with the drive. Steps are not controlled: where
+wrong mergers bend a large building the estimate may diverge, and an error is raised.
 """
 
 import math
@@ -23,6 +22,7 @@ from npslam_teach import se2
 from npslam_teach.pose_graph.factor_lists import FactorLists
 from npslam_teach.pose_graph.linearization import chi2
 from npslam_teach.pose_graph.multi_start import optimize
+from npslam_teach.pose_graph.rows import Rows
 from npslam_teach.pose_graph.stretches import Joint, Stretch, condense, mark, size
 from npslam_teach.pose_graph.submaps import Submap, carried, turned_back
 from npslam_teach.types import PoseGraph
@@ -52,8 +52,8 @@ class SubmapTree:
         self._top = self._open = Stretch(0)
         self._whole, self._spine = [], []  # complete trees, ever smaller; the joints of the first one, two, three ...
         self._leaves, self._turn, self._walk, self._bent = [self._open], 0, [], []
-        self._xy, self._first, self._last = np.zeros((16, 2)), np.zeros(16, dtype=int), np.full(16, -1)
-        self._active, self._leaves_of, self.stays = np.zeros(16, dtype=bool), [], []
+        self._xy, self._first, self._last = Rows((2,)), Rows(dtype=int), Rows(dtype=int)
+        self._active, self._became, self._leaves_of = Rows(dtype=bool), Rows(dtype=int), []
         self._factors = FactorLists()
         self.pose, self.redone = np.zeros(3), 0  # (3,) W, the newest; stretches and joints condensed so far
 
@@ -77,15 +77,11 @@ class SubmapTree:
 
     def add_landmark(self, xy: np.ndarray) -> int:
         """A new landmark, (2,) m in W, which is active; returns its index."""
-        index = len(self.stays)
-        if index == len(self._xy):
-            for name in ("_xy", "_first", "_last", "_active"):
-                rows = getattr(self, name)
-                setattr(self, name, np.concatenate([rows, np.zeros_like(rows)]))
-        self._xy[index] = checked_array("xy", xy, (2,))
-        self._first[index], self._last[index], self._active[index] = len(self._leaves), -1, True
+        index, values = len(self._leaves_of), (checked_array("xy", xy, (2,)), len(self._leaves), -1, True)
+        for rows, value in zip((self._xy, self._first, self._last, self._active), values, strict=True):
+            rows.append(value)
+        self._became.append(index)
         self._leaves_of.append([])
-        self.stays.append(index)
         return index
 
     def add_observation(self, landmark: int, xy: np.ndarray, information: np.ndarray) -> None:
@@ -96,20 +92,20 @@ class SubmapTree:
             xy: (2,) m, in the frame of the pose.
             information: (2, 2).
         """
-        checked_index("landmark", landmark, len(self.stays))
+        checked_index("landmark", landmark, len(self._leaves_of))
         xy, root = self._factors.add_sight(landmark, xy, information)
-        leaf = self._open
+        leaf, first, last = self._open, self._first.array, self._last.array
         leaf.add_sight(landmark, xy, root)
-        if self._last[landmark] < leaf.begin:
+        if last[landmark] < leaf.begin:
             self._leaves_of[landmark].append(leaf)
-            self._last[landmark], self._first[landmark] = leaf.begin, min(self._first[landmark], leaf.begin)
+            last[landmark], first[landmark] = leaf.begin, min(first[landmark], leaf.begin)
             self._lift(landmark)
         mark(leaf)
 
     def activate(self, landmarks: np.ndarray, active: bool = True) -> None:
         """Have landmarks (k,) among the variables of ``front``, or no longer."""
         for landmark in landmarks:
-            is_new, self._active[landmark] = active and not self._active[landmark], active
+            is_new, self._active.array[landmark] = active and not self._active.array[landmark], active
             if is_new:
                 self._lift(landmark)
 
@@ -121,11 +117,13 @@ class SubmapTree:
             mark(leaf)
             if leaf not in self._leaves_of[stays]:
                 self._leaves_of[stays].append(leaf)
-        self._first[stays] = min(self._first[stays], self._first[gone])
-        self._last[stays] = max(self._last[stays], self._last[gone])
+        self._first.array[stays] = min(self._first.array[stays], self._first.array[gone])
+        self._last.array[stays] = max(self._last.array[stays], self._last.array[gone])
         self._lift(stays)
-        self._active[stays] |= self._active[gone]
-        self._active[gone], self._leaves_of[gone], self.stays[gone] = False, [], stays
+        self._active.array[stays] |= self._active.array[gone]
+        self._active.array[gone], self._leaves_of[gone] = False, []
+        became = self.became()
+        became[became == gone] = stays
 
     def front(self) -> Submap:
         """The newest pose and the active landmarks in W, everything else at its best: what a new frame is about."""
@@ -150,7 +148,7 @@ class SubmapTree:
         """Take values for the variables of ``front`` (n,), and go ``walk`` steps on towards those of the past."""
         self._top.frame = np.zeros(3)
         self._inform(self._top, values)
-        self.pose, self._xy[self._top.part.ids] = turned_back(values[:3].copy(), 2), values[3:].reshape(-1, 2)
+        self.pose, self._xy.array[self._top.part.ids] = turned_back(values[:3].copy(), 2), values[3:].reshape(-1, 2)
         if self._top is not self._open:
             self._visit(self._open)
         for _ in range(walk):
@@ -161,11 +159,15 @@ class SubmapTree:
 
     def landmarks(self) -> np.ndarray:
         """(N, 2) m, W: where each stands as far as is known now; of those that became another, as they were then."""
-        return self._xy[: len(self.stays)]
+        return self._xy.array
 
     def is_active(self) -> np.ndarray:
         """(N,) bool: which landmarks are variables of ``front``."""
-        return self._active[: len(self.stays)]
+        return self._active.array
+
+    def became(self) -> np.ndarray:
+        """(N,) which landmark each is now: another where they were merged, or itself."""
+        return self._became.array
 
     def graph(self) -> tuple[PoseGraph, np.ndarray]:
         """Everything, from the top of the tree down to its leaves; and the landmark of each index, (N,) -1 = unseen."""
@@ -175,7 +177,7 @@ class SubmapTree:
         while self._walk:
             self._visit(self._walk.pop())
         poses = [np.zeros((1, 3)), *(se2.compose(leaf.frame, leaf.poses[1:]) for leaf in self._leaves)]
-        return self._factors.graph(np.concatenate(poses), self.landmarks(), np.array(self.stays, dtype=int))
+        return self._factors.graph(np.concatenate(poses), self.landmarks(), self.became())
 
     def finish(self, tolerance: float = 1e-13) -> PoseGraph:
         """The graph at its minimum: linearized anew as a whole, and the last digits left to ``optimize``.
@@ -194,7 +196,6 @@ class SubmapTree:
     def linearized_anew(self) -> PoseGraph:
         """The graph after one step of Newton's method on the whole tree: time in proportion to the drive."""
         list(map(mark, self._leaves))
-        self.solve(0)
         return self.graph()[0]
 
     def _close(self) -> None:
@@ -218,16 +219,15 @@ class SubmapTree:
 
     def _lift(self, landmark: int) -> None:
         """A landmark is asked for by more than before: it must not be eliminated where it was."""
-        for leaf in self._leaves_of[landmark][:1]:
-            node = leaf
-            while node is not None and not node.stale and landmark in node.part.ids:
-                node = node.parent
-            if node is not None and not node.stale:
-                mark(node)
+        node = next(iter(self._leaves_of[landmark]), None)
+        while node is not None and not node.stale and landmark in node.part.ids:
+            node = node.parent
+        if node is not None and not node.stale:
+            mark(node)
 
     def _is_asked_for(self, ids: np.ndarray, begin: int, end: int) -> np.ndarray:
         """Which landmarks (k,) are seen from other leaves than begin .. end - 1, or active: (k,) bool."""
-        return self._active[ids] | (self._first[ids] < begin) | (self._last[ids] >= end)
+        return self._active.array[ids] | (self._first.array[ids] < begin) | (self._last.array[ids] >= end)
 
     def _visit(self, node) -> None:
         """Tell a node what its parent knows; the next ones on the walk are its children."""
@@ -247,4 +247,4 @@ class SubmapTree:
         if node.told(values) and node not in (self._top, self._open) and node not in self._bent:
             self._bent.append(node)
         ids, xy = node.landmarks_here()
-        self._xy[ids] = se2.apply(node.frame, xy)
+        self._xy.array[ids] = se2.apply(node.frame, xy)

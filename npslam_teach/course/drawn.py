@@ -106,9 +106,9 @@ def _figure(drawing: Drawing, mine: Lines, expected: Lines) -> tuple[Figure, str
     under = {"o": {"ms": 13}, "-": {"lw": 7}}[drawing.style]
     over = {"o": {"ms": 5}, "-": {"lw": 1.6}}[drawing.style]
     for k, (own, its) in enumerate(zip(mine, expected, strict=True)):
-        label = dict(zip(("its", "own"), ("the library's", "yours"), strict=True)) if k == 0 else {}
-        ax.plot(*its.T, drawing.style, color="#bdbdbd", solid_capstyle="round", label=label.get("its"), **under)
-        ax.plot(*own.T, drawing.style, color="#b2182b", label=label.get("own"), **over)
+        labels = ("the library's", "yours") if k == 0 else (None, None)
+        ax.plot(*its.T, drawing.style, color="#bdbdbd", solid_capstyle="round", label=labels[0], **under)
+        ax.plot(*own.T, drawing.style, color="#b2182b", label=labels[1], **over)
     ax.set(xlabel=drawing.xlabel, ylabel=drawing.ylabel, title=f"yours {words}")
     if drawing.is_map:
         ax.set_aspect("equal", adjustable="datalim")

@@ -14,14 +14,13 @@ A run is *exact* when it finds exactly the true number of objects with an
 adjusted Rand index of at least 0.99 over all observations, those that it leaves out included.
 """
 
-import multiprocessing
 import sys
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
 
 from npslam_teach import simulate
+from npslam_teach.experiments.executors import local_pool
 from npslam_teach.experiments.runs import run_method
 from npslam_teach.experiments.sweep import is_right
 from npslam_teach.experiments.sweep_files import read_rows
@@ -55,7 +54,8 @@ def markdown(rows: list[dict], recordings: list[dict], megabytes: dict[str, floa
     for name in methods:
         own, real = ([row for row in each if row["method"] == name] for each in (rows, recordings))
         memory = "" if megabytes.get(name) is None else f"{megabytes[name]:.0f}"
-        cells = [name, NEEDS[name], *_simulated(own)[:2], _recorded(real), *_simulated(own)[2:], memory]
+        right, exact, error, seconds = _simulated(own)
+        cells = [name, NEEDS[name], right, exact, _recorded(real), error, seconds, memory]
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join([*head, *lines, "", _words(rows, recordings), ""])
 
@@ -101,7 +101,7 @@ def _words(rows: list[dict], recordings: list[dict]) -> str:
 
 def megabytes_of(method: str) -> float | None:
     """By how much a new process grows while a method runs on ``fifteen_objects``; None where nobody knows."""
-    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+    with local_pool(1) as pool:
         return pool.submit(_growth, method).result()
 
 

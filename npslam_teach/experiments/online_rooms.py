@@ -31,6 +31,7 @@ from npslam_teach.experiments import tables
 from npslam_teach.methods import Online
 from npslam_teach.methods.gating import frames_of
 from npslam_teach.methods.online import so_far
+from npslam_teach.methods.repair import without_gaps
 from npslam_teach.pose_graph import SubmapTree, fit
 from npslam_teach.system.progress import progress_shown, track
 from npslam_teach.types import GroundTruth, RobotLog
@@ -130,9 +131,9 @@ def _compared(robot, log: RobotLog, truth: GroundTruth, num_poses: int) -> dict:
     else:
         labels, graph = so_far(robot, part)
     begin = time.thread_time()
-    batch = fit(part, _numbered(labels), graph.poses)
+    batch = fit(part, without_gaps(labels), graph.poses)
     batch_ms = 1e3 * (time.thread_time() - begin)
-    told = batch if isinstance(robot, Told) else fit(part, _numbered(true_labels), graph.poses)
+    told = batch if isinstance(robot, Told) else fit(part, without_gaps(true_labels), graph.poses)
     paths = {"error": graph, "error_batch": batch, "error_told": told}
     return {
         "batch_ms": round(batch_ms, 1),
@@ -140,12 +141,6 @@ def _compared(robot, log: RobotLog, truth: GroundTruth, num_poses: int) -> dict:
         "objects_true": len(np.unique(true_labels[true_labels >= 0])),
         "ari": round(compared_labels(labels, true_labels)[0], 4),
     } | {name: round(_pose_error(path.poses, truth.poses[:num_poses]), 4) for name, path in paths.items()}
-
-
-def _numbered(labels: np.ndarray) -> np.ndarray:
-    """Labels (M,) from 0 without gaps; -1 stays."""
-    used, numbers = np.unique(labels, return_inverse=True)
-    return numbers - np.count_nonzero(used < 0)
 
 
 def _pose_error(poses: np.ndarray, true_poses: np.ndarray) -> float:

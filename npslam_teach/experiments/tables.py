@@ -15,6 +15,23 @@ def write_table(rows: Iterable[dict], columns: tuple, path: Path) -> None:
         writer.writerows(rows)
 
 
+def chosen(rows: Iterable[dict], how: str, **which) -> list[dict]:
+    """The rows that have these values.
+
+    Args:
+        rows: of a table with a column ``case``.
+        how: the runs are meant, for the message.
+        which: by column; ``case`` is one of them.
+
+    Raises:
+        ValueError: there are none.
+    """
+    found = [row for row in rows if which.items() <= row.items()]
+    if not found:
+        raise ValueError(f"case: expected one that was run {how}, got {which['case']!r}")
+    return found
+
+
 def read_table(path: Path, columns: tuple, kinds: dict[str, Callable] | None = None) -> Iterator[dict]:
     """The rows of ``write_table``.
 

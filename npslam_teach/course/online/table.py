@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from npslam_teach.experiments.online_rooms import read_table
+from npslam_teach.experiments.tables import chosen
 
 FILE = Path(__file__).parent / "runs.csv"
 
@@ -28,7 +29,5 @@ def column(name: str, case: str, rooms: int, seed: int = 0) -> np.ndarray:
     Raises:
         ValueError: the table has no such run.
     """
-    rows = [row for row in load() if (row["case"], row["rooms"], row["seed"]) == (case, rooms, seed)]
-    if not rows:
-        raise ValueError(f"case: expected one that was run in {rooms} rooms, got {case!r} of seed {seed}")
+    rows = chosen(load(), f"in {rooms} rooms of seed {seed}", case=case, rooms=rooms, seed=seed)
     return np.array([row[name] for row in rows])

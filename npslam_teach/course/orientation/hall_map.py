@@ -3,9 +3,8 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from npslam_teach import se2
-from npslam_teach.evaluation import align_to_truth
 from npslam_teach.plotting import plot_objects, plot_trajectory
+from npslam_teach.plotting.maps import laid_over_truth
 from npslam_teach.plotting.style import ESTIMATE_COLOR, TRUTH_COLOR, class_handles, label_map, path_handles
 from npslam_teach.types import GroundTruth, Snapshot
 
@@ -42,11 +41,10 @@ def plot_noses(ax: Axes, xy: np.ndarray, theta: np.ndarray, truth: bool = False,
 
 def laid_over(snapshot: Snapshot, truth: GroundTruth) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Path (T, 3), objects (K, 2) and their headings (K,), moved to fit the true path best; NaN without headings."""
-    graph = snapshot.graph
-    motion = align_to_truth(graph.poses, truth)
-    known = graph.landmarks.shape[1] == 3
-    theta = graph.landmarks[:, 2] + motion[2] if known else np.full(len(graph.landmarks), np.nan)
-    return se2.compose(motion, graph.poses), se2.apply(motion, graph.landmark_xy), theta
+    (path, xy), graph = laid_over_truth(snapshot, truth), snapshot.graph
+    if graph.landmarks.shape[1] == 2:
+        return path, xy, np.full(len(xy), np.nan)
+    return path, xy, graph.landmarks[:, 2] + path[0, 2] - graph.poses[0, 2]
 
 
 def plot_hall(ax: Axes, snapshot: Snapshot, truth: GroundTruth, title: str) -> Axes:

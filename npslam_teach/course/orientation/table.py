@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from npslam_teach.experiments.back_to_back import read_table
+from npslam_teach.experiments.tables import chosen
 
 FILE = Path(__file__).parent / "runs.csv"
 
@@ -27,7 +28,5 @@ def column(name: str, case: str, degrees: float) -> np.ndarray:
     Raises:
         ValueError: the table has no such runs.
     """
-    rows = [row for row in load() if row["case"] == case and row["degrees"] == degrees]
-    if not rows:
-        raise ValueError(f"case: expected one that was run with {degrees:g} degrees, got {case!r}")
+    rows = chosen(load(), f"with {degrees:g} degrees", case=case, degrees=degrees)
     return np.array([row[name] for row in rows])

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from npslam_teach.experiments.confused_classes import read_table
+from npslam_teach.experiments.tables import chosen
 
 FILE = Path(__file__).parent / "runs.csv"
 
@@ -27,7 +28,4 @@ def column(name: str, case: str, share: float) -> np.ndarray:
     Raises:
         ValueError: the table has no such runs.
     """
-    rows = [row for row in load() if row["case"] == case and row["share"] == share]
-    if not rows:
-        raise ValueError(f"case: expected one that was run at share {share:g}, got {case!r}")
-    return np.array([row[name] for row in rows])
+    return np.array([row[name] for row in chosen(load(), f"at share {share:g}", case=case, share=share)])

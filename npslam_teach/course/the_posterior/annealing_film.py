@@ -18,6 +18,7 @@ from npslam_teach.plotting.style import (
     label_map,
     path_handles,
 )
+from npslam_teach.pose_graph import mean_landmarks
 from npslam_teach.types import GroundTruth
 
 SIZE = (980.0, 560.0)  # px
@@ -46,10 +47,8 @@ class AnnealingFilm:
 
     def _seen_at(self, path: np.ndarray, used: np.ndarray) -> np.ndarray:
         """The mean of the observations of each tracklet along a path, (N, 2) m, W."""
-        log, tracklet = self.model.log, self.model.tracklet[used]
-        xy = se2.apply(path[log.obs_time[used]], log.obs_xy[used])
-        sums = [np.bincount(tracklet, weights=xy[:, axis]) for axis in (0, 1)]
-        return np.column_stack(sums) / np.bincount(tracklet)[:, None]
+        log = self.model.log
+        return mean_landmarks(self.model.tracklet[used], se2.apply(path[log.obs_time[used]], log.obs_xy[used]))
 
     def _colors(self, labels: np.ndarray) -> list[str]:
         """Of each tracklet: the objects of a class have different colours, in the order of first observation."""

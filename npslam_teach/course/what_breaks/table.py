@@ -7,6 +7,7 @@ import numpy as np
 
 from npslam_teach.association import PAPER_KERNEL_STD
 from npslam_teach.evaluation import wilson_interval
+from npslam_teach.experiments.tables import chosen
 from npslam_teach.experiments.what_breaks import SWEPT, is_right, read_table
 
 FILE = Path(__file__).parent / "success.csv"
@@ -25,10 +26,7 @@ def runs_of(case: str, noise: float) -> list[dict]:
     Raises:
         ValueError: the table has none.
     """
-    rows = [row for row in load() if row["case"] == case and row["noise"] == noise]
-    if not rows:
-        raise ValueError(f"case: expected one that was run at noise {noise:g}, got {case!r}")
-    return rows
+    return chosen(load(), f"at noise {noise:g}", case=case, noise=noise)
 
 
 def right_of(case: str, noise: float, of_used: bool = False) -> np.ndarray:

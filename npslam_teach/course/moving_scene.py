@@ -8,7 +8,7 @@ from npslam_teach.plotting.maps import laid_over_truth
 from npslam_teach.plotting.style import class_style
 from npslam_teach.types import GroundTruth, RobotLog, Snapshot
 
-MARGIN = 0.4  # m
+MARGIN, TICKS = 0.4, 2.0  # m
 EVERY = 2  # of the poses of a path is drawn
 SEEN_TWICE = 2  # what was seen once is a dot, what was seen more often a mark
 
@@ -24,12 +24,7 @@ def room_of(snapshots: list[Snapshot], truth: GroundTruth, box: tuple[float, flo
         box: left, top, width and height, px.
     """
     points = [xy[:, :2] for snapshot in snapshots for xy in laid_over_truth(snapshot, truth)]
-    points = np.concatenate([*points, truth.poses[:, :2], truth.world.object_xy])
-    low, high = points.min(axis=0) - MARGIN, points.max(axis=0) + MARGIN
-    left, top, width, height = box
-    scale = min(width / (high[0] - low[0]), height / (high[1] - low[1]))
-    size = scale * (high - low)
-    return Panel((left, top, float(size[0]), float(size[1])), (low[0], high[0]), (low[1], high[1]))
+    return Panel.around(np.concatenate([*points, truth.poses[:, :2], truth.world.object_xy]), MARGIN, box)
 
 
 def draw_snapshot(scene: Scene, room: Panel, snapshot: Snapshot, log: RobotLog, truth: GroundTruth, title: str) -> None:
@@ -43,8 +38,7 @@ def draw_snapshot(scene: Scene, room: Panel, snapshot: Snapshot, log: RobotLog, 
         truth: dashed path and rings.
         title: of the map.
     """
-    ticks = tuple(np.arange(np.ceil(low / 2) * 2, high, 2.0) + 0.0 for low, high in (room.x, room.y))
-    room.axes(scene, "map", title, ("x (m)", "y (m)"), ticks)
+    room.map_axes(scene, title, TICKS)
     room.line(scene, "truth", truth.poses[::EVERY, :2], "truth")
     for k, (x, y) in enumerate(room.to_page(truth.world.object_xy)):
         scene.add(f"true object {k}", "circle", cx=x, cy=y, r=11, class_="truth")
@@ -110,10 +104,9 @@ def draw_key(
         fill: of the marks; None: the colours of the classes.
     """
     x, y = place
-    page = Panel((0.0, 0.0, *scene.size), (0.0, scene.size[0]), (scene.size[1], 0.0))  # px
     for c in np.unique(truth.world.object_class).tolist():
         name = truth.world.class_names[c]
-        page.mark(scene, f"key {c}", (x, y - 5), c, 6.5, **({"fill": fill} if fill else {}))
+        scene.page.mark(scene, f"key {c}", (x, y - 5), c, 6.5, **({"fill": fill} if fill else {}))
         scene.add(f"key name {c}", "text", name, x=x + 13, y=y, class_="quiet")
         x += 34 + 8.0 * len(name)
     for name in lines:

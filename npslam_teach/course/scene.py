@@ -42,6 +42,11 @@ class Scene:
         named = {key.rstrip("_").replace("_", "-"): _written(value) for key, value in attributes.items()}
         self.parts[name] = [tag, named] if text is None else [tag, named, text]
 
+    @property
+    def page(self) -> "Panel":
+        """The whole picture, in px from its upper left corner."""
+        return Panel((0.0, 0.0, *self.size), (0.0, self.size[0]), (self.size[1], 0.0))
+
     def message(self) -> dict:
         """For the page."""
         return {"size": list(self.size), "parts": self.parts}
@@ -63,6 +68,15 @@ class Panel:
     box: tuple[float, float, float, float]  # left, top, width, height in px
     x: tuple[float, float]  # what it shows, from left to right
     y: tuple[float, float]  # from bottom to top
+
+    @classmethod
+    def around(cls, points: np.ndarray, margin: float, box: tuple[float, float, float, float]) -> "Panel":
+        """A map that holds points (N, 2), with one scale for both axes, as large as a box in px has room for."""
+        low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
+        left, top, width, height = box
+        scale = min(width / (high[0] - low[0]), height / (high[1] - low[1]))
+        inside = (left, top, scale * (high[0] - low[0]), scale * (high[1] - low[1]))
+        return cls(inside, (low[0], high[0]), (low[1], high[1]))
 
     @property
     def scale(self) -> tuple[float, float, float, float]:
@@ -109,6 +123,17 @@ class Panel:
         if labels[1]:
             turn = f"translate({left - 42} {top + height / 2}) rotate(-90)"
             scene.add(f"{name} yl", "text", labels[1], transform=turn, class_="middle quiet")
+
+    def map_axes(self, scene: Scene, title: str, spacing: float) -> None:
+        """The axes of a map in metres, with a tick at every multiple of the spacing."""
+        ranges = (self.x, self.y)
+        ticks = tuple(np.arange(np.ceil(low / spacing) * spacing, high, spacing) + 0.0 for low, high in ranges)
+        self.axes(scene, "map", title, ("x (m)", "y (m)"), ticks)
+
+    def dots(self, scene: Scene, name: str, xy, width: float) -> None:
+        """A dot, so many px wide, at each of (N, 2) points of an estimate."""
+        dots = " ".join(f"M{x:.1f},{y:.1f}h0" for x, y in self.to_page(xy))
+        scene.add(name, "path", d=dots, class_="estimate", style=f"stroke-width: {width:g}; stroke-linecap: round")
 
     def line(self, scene: Scene, name: str, xy, style: str, **attributes) -> None:
         """A line through (N, 2) points, of a class of ``scene.css``."""

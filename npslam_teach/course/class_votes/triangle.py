@@ -66,8 +66,7 @@ def draw_summaries(scene: Scene, summaries: dict) -> None:
     """The answers that there are, each with its mark, and what the marks mean."""
     y = 330.0
     for name in ("maximum likelihood", "mean", "mode"):
-        key = Panel((0.0, 0.0, *SIZE), (0.0, SIZE[0]), (SIZE[1], 0.0))  # px
-        _mark(scene, f"key {name}", key, (LEGEND, y), name)
+        _mark(scene, f"key {name}", scene.page, (LEGEND, y), name)
         scene.add(f"key text {name}", "text", name, x=LEGEND + 18, y=y + 5)
         if summaries[name] is not None:
             _mark(scene, name, TRIANGLE, on_triangle(summaries[name]), name)
@@ -113,7 +112,7 @@ def draw_votes(scene: Scene, votes: np.ndarray, class_names, most: int) -> None:
         class_names: (3,).
         most: votes that a class can have.
     """
-    page = Panel((0.0, 0.0, *SIZE), (0.0, SIZE[0]), (SIZE[1], 0.0))  # px
+    page = scene.page
     inside = np.array([TRIANGLE.box[0] + TRIANGLE.box[2] / 2, TRIANGLE.box[1] + TRIANGLE.box[3] * 2 / 3])
     scene.add("votes title", "text", "votes", x=TRAY - 30, y=26, class_="title")
     for c, (name, y, count) in enumerate(zip(class_names, ROWS, votes.astype(int).tolist(), strict=True)):

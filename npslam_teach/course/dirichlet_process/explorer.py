@@ -31,7 +31,7 @@ def explore_association(log: RobotLog | None = None, class_names=TOY_CLASSES, as
     log = toy_objects()[0] if log is None else log
     path = se2.dead_reckoning(log.odometry)
     seen = se2.apply(path[log.obs_time], log.obs_xy).round(9)
-    room = _map_of(np.concatenate([path[:, :2], seen]))
+    room = Panel.around(np.concatenate([path[:, :2], seen]), MARGIN, (LEFT, 36.0, 465.0, SIZE[1] - 90.0))
 
     def update(asks: int, alpha: float, threshold: float, kernel_std: float, xy: np.ndarray) -> tuple[str, Scene]:
         votes = (log.obs_class == log.obs_class[asks]) & (np.arange(len(xy)) != asks)  # judged by the others
@@ -52,21 +52,9 @@ def explore_association(log: RobotLog | None = None, class_names=TOY_CLASSES, as
     return Explorer(None, update, FRAMES, asks=observations, **sliders, xy=places("sightings", seen, room))
 
 
-def _map_of(xy: np.ndarray) -> Panel:
-    """A map as wide as there is room for, with one scale for both axes."""
-    low, high = xy.min(axis=0) - MARGIN, xy.max(axis=0) + MARGIN
-    width, height = 465.0, SIZE[1] - 90.0
-    scale = min(width / (high[0] - low[0]), height / (high[1] - low[1]))
-    box = (LEFT, 36.0, scale * (high[0] - low[0]), scale * (high[1] - low[1]))
-    return Panel(box, (low[0], high[0]), (low[1], high[1]))
-
-
 def _draw_map(scene: Scene, room: Panel, path, xy, obs_class, class_names, asks: int, kernel_std: float) -> None:
     """The observations with their names; those that the asking one may be have the kernel around them."""
-    ticks = [np.arange(np.ceil(low), high, 1.0) + 0.0 for low, high in (room.x, room.y)]
-    room.axes(
-        scene, "map", f"Obj_{asks + 1} asks: who is near enough to be the same?", ("x (m)", "y (m)"), tuple(ticks)
-    )
+    room.map_axes(scene, f"Obj_{asks + 1} asks: who is near enough to be the same?", 1.0)
     room.line(scene, "path", path[:, :2], "estimate")
     alike = [k for k in np.flatnonzero(obs_class == obs_class[asks]) if k != asks]
     for k in alike:

@@ -56,7 +56,7 @@ def explore_heading() -> Explorer:
 
 def words(true_path: np.ndarray, path: np.ndarray, turn: int, error: float) -> str:
     """Which turn is wrong, the straight way from there to the end, and how far the end is off."""
-    off = np.linalg.norm(path[-1, :2] - true_path[-1, :2])
+    off = _off(true_path, path)
     far = np.linalg.norm(true_path[-1, :2] - true_path[turn, :2])
     size = "too large" if error >= 0 else "too small"
     return (
@@ -80,8 +80,7 @@ def _draw_room(scene: Scene, true_path: np.ndarray, path: np.ndarray, turn: int,
     ROOM.line(scene, "far", [hinge, path[-1, :2]], "grid")
     ROOM.line(scene, "truth", true_path[:, :2], "truth")
     ROOM.line(scene, "path", path[:, :2], "estimate")
-    dots = " ".join(f"M{x:.1f},{y:.1f}h0" for x, y in ROOM.to_page(path[:, :2]))
-    scene.add("poses", "path", d=dots, class_="estimate", style="stroke-width: 7; stroke-linecap: round")
+    ROOM.dots(scene, "poses", path[:, :2], 7)
     ROOM.line(scene, "off", [path[-1, :2], true_path[-1, :2]], "pull")
     ROOM.text(scene, "true end", true_path[-1, :2], "true end", (8.0, 20.0), "quiet")
     up = -6.0 if path[-1, 1] >= true_path[-1, 1] else 16.0  # away from the line between the ends

@@ -93,8 +93,4 @@ def _room(moments: dict[int, Moment]) -> Panel:
     for moment in moments.values():
         pose = moment.step.prior_mean[:3]
         points += [pose[None, :2], landmarks_of(moment.step.prior_mean), se2.apply(pose, moment.xy_robot)]
-    low, high = np.concatenate(points).min(axis=0) - MARGIN, np.concatenate(points).max(axis=0) + MARGIN
-    left, top, width, height = gate_scene.BOX
-    scale = min(width / (high[0] - low[0]), height / (high[1] - low[1]))
-    box = (left, top, scale * (high[0] - low[0]), scale * (high[1] - low[1]))
-    return Panel(box, (low[0], high[0]), (low[1], high[1]))
+    return Panel.around(np.concatenate(points), MARGIN, gate_scene.BOX)

@@ -92,8 +92,7 @@ def draw_path(scene: Scene, room: Panel, poses: dict[int, np.ndarray]) -> None:
     """
     path = np.array(list(poses.values()))
     room.line(scene, "path", path[:, :2], "estimate")
-    dots = " ".join(f"M{x:.1f},{y:.1f}h0" for x, y in room.to_page(path[:, :2]))
-    scene.add("poses", "path", d=dots, class_="estimate", style="stroke-width: 8; stroke-linecap: round")
+    room.dots(scene, "poses", path[:, :2], 8)
 
 
 def draw_robot(scene: Scene, room: Panel, poses: dict[int, np.ndarray], now: int) -> None:

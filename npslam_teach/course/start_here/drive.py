@@ -32,7 +32,8 @@ def explore_drive(log: RobotLog, truth: GroundTruth, snapshots: list[Snapshot]) 
     wheels, answer = se2.dead_reckoning(log.odometry, start), se2.compose(start, snapshots[-1].graph.poses)
     landed = se2.apply(wheels[log.obs_time], log.obs_xy)
     joined = se2.apply(start, snapshots[-1].graph.landmarks[snapshots[-1].labels])
-    room = _room(np.concatenate([wheels[:, :2], answer[:, :2], landed, joined]))
+    everywhere = np.concatenate([wheels[:, :2], answer[:, :2], landed, joined])
+    room = Panel.around(everywhere, moving_scene.MARGIN, MAP)
 
     def update(stop: int) -> tuple[str, Scene]:
         now = stops[min(stop, STOPS - 1)]
@@ -68,18 +69,9 @@ def words(log: RobotLog, truth: GroundTruth, now: int, seen: int, snapshots: lis
     )
 
 
-def _room(xy: np.ndarray) -> Panel:
-    low, high = xy.min(axis=0) - moving_scene.MARGIN, xy.max(axis=0) + moving_scene.MARGIN
-    left, top, width, height = MAP
-    scale = min(width / (high[0] - low[0]), height / (high[1] - low[1]))
-    size = scale * (high - low)
-    return Panel((left, top, float(size[0]), float(size[1])), (low[0], high[0]), (low[1], high[1]))
-
-
 def _draw_map(scene: Scene, room: Panel, title: str, poses: np.ndarray, now: int) -> None:
     """The path so far, with as many points always: those to come wait at the robot, and so the path glides."""
-    ticks = tuple(np.arange(np.ceil(low / 2) * 2, high, 2.0) + 0.0 for low, high in (room.x, room.y))
-    room.axes(scene, "map", title, ("x (m)", "y (m)"), ticks)
+    room.map_axes(scene, title, moving_scene.TICKS)
     driven = np.minimum(np.arange(0, len(poses) + EVERY, EVERY), now)
     moving_scene.draw_path(scene, room, "path", poses[driven, :2])
     corners = room.to_page(se2.apply(poses[now], ROBOT))

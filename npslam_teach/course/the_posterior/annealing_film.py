@@ -66,8 +66,8 @@ class AnnealingFilm:
         (path,) = ax.plot([], [], **ESTIMATE_LINE | {"linewidth": 0.8})
         spokes = [ax.plot([], [], color="0.35", linewidth=1.2, zorder=2.2)[0] for _ in self.tracklet_class]
         marks = [self._mark(ax, c) for c in self.tracklet_class]
-        x, y = self.limits()
-        label_map(ax, "").set(xlim=x, ylim=y)
+        shown = Panel.around(self.points(), moving_scene.MARGIN, MAP)
+        label_map(ax, "").set(xlim=shown.x, ylim=shown.y)
 
         def move(number: int) -> None:
             path.set_data(*self.paths[number][:, :2].T)
@@ -80,11 +80,9 @@ class AnnealingFilm:
 
         return move
 
-    def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """What a map has to show in x and in y, m, to hold every state."""
-        points = np.concatenate([*self.tracklet_xy, *self.object_xy, *(path[:, :2] for path in self.paths)])
-        low, high = points.min(axis=0) - 0.4, points.max(axis=0) + 0.4
-        return (low[0], high[0]), (low[1], high[1])
+    def points(self) -> np.ndarray:
+        """What a map has to show to hold every state, (N, 2) m."""
+        return np.concatenate([*self.tracklet_xy, *self.object_xy, *(path[:, :2] for path in self.paths)])
 
     def title(self, number: int) -> str:
         """The temperature and the number of objects."""
@@ -113,9 +111,7 @@ def explore_annealing(film: AnnealingFilm) -> Explorer:
     Args:
         film: of the states of one search.
     """
-    (left, right), (bottom, top) = film.limits()
-    scale = min(MAP[2] / (right - left), MAP[3] / (top - bottom))
-    room = Panel((*MAP[:2], scale * (right - left), scale * (top - bottom)), (left, right), (bottom, top))
+    room = Panel.around(film.points(), moving_scene.MARGIN, MAP)
     powers = np.log10([state.temperature for state in film.states])
     counts = [int(state.labels.max()) + 1 for state in film.states]
     highest = 1.1 * max(*counts, len(film.truth.world.object_xy))
@@ -136,8 +132,7 @@ def explore_annealing(film: AnnealingFilm) -> Explorer:
 
 def _draw_map(scene: Scene, room: Panel, film: AnnealingFilm, number: int) -> None:
     """Path and tracklets: colours tell the objects of a class apart, and a spoke leads from a tracklet to its own."""
-    ticks = tuple(np.arange(np.ceil(low / 2) * 2, high, 2.0) + 0.0 for low, high in (room.x, room.y))
-    room.axes(scene, "map", film.title(number), ("x (m)", "y (m)"), ticks)
+    room.map_axes(scene, film.title(number), moving_scene.TICKS)
     room.line(scene, "truth", film.truth.poses[:: moving_scene.EVERY, :2], "truth")
     moving_scene.draw_path(scene, room, "path", film.paths[number][:: moving_scene.EVERY, :2])
     for k, ends in enumerate(zip(film.tracklet_xy[number], film.object_xy[number], strict=True)):

@@ -89,8 +89,7 @@ def _draw_room(scene: Scene, log: RobotLog, truth: GroundTruth, outcome: Outcome
     if wrong is not None:
         ROOM.line(scene, "pull", [landed[wrong], graph.landmarks[labels[wrong]]], "pull")
     ROOM.line(scene, "path", graph.poses[:, :2], "estimate")
-    dots = " ".join(f"M{x:.1f},{y:.1f}h0" for x, y in ROOM.to_page(graph.poses[:, :2]))
-    scene.add("poses", "path", d=dots, class_="estimate", style="stroke-width: 9; stroke-linecap: round")
+    ROOM.dots(scene, "poses", graph.poses[:, :2], 9)
     held = seen_from + HELD_AT[:, None] * (landed - seen_from)
     _draw_objects(scene, log, outcome, held)
     _draw_sightings(scene, log, outcome, held)

@@ -218,7 +218,7 @@ def identical(one, other) -> bool:
 def _example(part: Part, answer: _Answer, truth: Callable, arguments: tuple) -> str:
     came, wanted = shown(answer.value), shown(answer.truth)
     given = _shown_arguments(truth, arguments)
-    return f"{part.name} should be {wanted} and is {came}, for {given}"
+    return f"{part.name} should be {wanted}, not {came}, for {given}"
 
 
 def _names(truth: Callable, arguments: tuple) -> list[str]:

@@ -44,6 +44,18 @@ def test_what_was_not_seen_yet_is_of_no_object(scene, snapshots):
         assert (now.labels >= 0).sum() > 0.9 * (log.obs_time < tenth / 10 * log.num_poses).sum()
 
 
+def test_a_robot_says_where_its_objects_are():
+    """Each by its oldest tracklet, as labels call it; near where the toy scene has them."""
+    log, truth = simulate.toy_objects()
+    robot = Online(log.num_classes, log.odometry_std, log.observation_std)
+    for _ in frames(robot, log):
+        pass
+    objects, places = robot.landmarks()
+    np.testing.assert_array_equal(objects, np.unique(robot.labels[robot.labels >= 0]))
+    off = np.linalg.norm(places[:, None] - truth.world.object_xy, axis=2).min(axis=1)
+    assert off.max() < 1.0
+
+
 @pytest.mark.parametrize("seed", [0, 1])
 def test_units_and_the_order_of_lines_do_not_matter(seed):
     log, _ = simulate.toy_objects()

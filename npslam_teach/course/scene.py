@@ -121,7 +121,7 @@ class Panel:
         if labels[0]:
             scene.add(f"{name} xl", "text", labels[0], x=left + width / 2, y=bottom + 38, class_="middle quiet")
         if labels[1]:
-            turn = f"translate({left - 42} {top + height / 2}) rotate(-90)"
+            turn = f"translate({round(left - 42, 2)} {round(top + height / 2, 2)}) rotate(-90)"
             scene.add(f"{name} yl", "text", labels[1], transform=turn, class_="middle quiet")
 
     def map_axes(self, scene: Scene, title: str, spacing: float) -> None:

@@ -1,5 +1,6 @@
 """Scenes: what a hand needs is not in a picture that stands still, and every class has its marker."""
 
+import re
 import xml.etree.ElementTree as ET
 
 import numpy as np
@@ -46,3 +47,15 @@ def test_every_class_has_a_marker_around_its_point(object_class):
     far = np.hypot(*corners.T)
     assert len(corners) >= 3 and far.max() <= 16.0 and far.min() > 4.0
     assert np.abs(corners.mean(axis=0)).max() < 2.0
+
+
+def test_the_last_bit_of_a_number_is_never_in_a_picture():
+    """It depends on the machine, and what a notebook shows is compared with what it has shown elsewhere."""
+    third = Panel((100 / 3, 20 / 3, 160 / 3, 100 / 7), (0.0, 1 / 3), (0.0, 5 / 7))
+    scene = Scene((220.0, 140.0))
+    third.axes(scene, "map", "title", ("x (m)", "y (m)"), ((0.1,), (0.3,)))
+    third.line(scene, "line", [(1 / 7, 1 / 3), (1 / 9, 1 / 11)], "estimate")
+    third.mark(scene, "mark", (1 / 9, 1 / 13), 1)
+    third.text(scene, "text", (1 / 9, 1 / 13), "words")
+    third.dots(scene, "dots", [(1 / 9, 1 / 13)], 3.0)
+    assert not re.findall(r"\d+\.\d{3,}", scene.svg())

@@ -8,7 +8,8 @@ list, ``unknowns`` says which number of a step is which, ``linearization`` makes
 ``observability`` whether there is one, ``certificate`` whether another could be better. Where to start:
 ``initialization`` from headings, ``spanning_tree`` from odometry, ``relaxation`` from everything at once.
 ``incremental`` says how a graph grows, ``submap_tree`` how it grows in bounded time, on ``stretches`` and
-``submaps``. ``block_sparsity``, ``factorization``, ``fill_in`` and ``complex_form`` are the machinery.
+``submaps``. ``block_sparsity``, ``factorization``, ``augmented_system`` (for weights that differ much), ``fill_in`` and
+``complex_form`` are the machinery.
 """
 
 from npslam_teach.pose_graph.certificate import Certificate, certify

@@ -71,12 +71,13 @@ class LinearSystem(NamedTuple):
         return self.solve(LATEST, rhs)
 
 
-def solve_once(matrix, rhs: np.ndarray) -> np.ndarray:
+def solve_once(matrix, rhs: np.ndarray, pivoting: bool = False) -> np.ndarray:
     """Solve one sparse symmetric or Hermitian system.
 
     Args:
         matrix: (n, n), SciPy sparse.
         rhs: (n,).
+        pivoting: for a matrix that is not positive definite: pivots may lie off the diagonal.
 
     Raises:
         numpy.linalg.LinAlgError: the matrix is singular.
@@ -84,7 +85,7 @@ def solve_once(matrix, rhs: np.ndarray) -> np.ndarray:
     from scipy.sparse.linalg import splu
 
     try:
-        return _finite(splu(matrix.tocsc(), **SYMMETRIC).solve(rhs)) if len(rhs) else rhs
+        return _finite(splu(matrix.tocsc(), **{} if pivoting else SYMMETRIC).solve(rhs)) if len(rhs) else rhs
     except RuntimeError:  # "Factor is exactly singular"
         raise np.linalg.LinAlgError(SINGULAR) from None
 

@@ -17,9 +17,8 @@ import numpy as np
 from npslam_teach.pose_graph.factorization import solve_once
 from npslam_teach.pose_graph.linearization import chi2, linearize
 from npslam_teach.pose_graph.observability import require_connected
-from npslam_teach.pose_graph.unknowns import retract, unknowns_of
+from npslam_teach.pose_graph.unknowns import retract, unknowns_of, within_bounds
 from npslam_teach.types import PoseGraph
-from npslam_teach.validation import LARGEST
 
 ROUNDING = 1e-13  # the share of chi2 that is lost when it is added up
 
@@ -58,7 +57,7 @@ def gauss_newton(graph: PoseGraph, tolerance: float = 1e-9, max_iterations: int 
     for iteration in range(1, max_iterations + 1):
         h, b, _ = linearize(graph)
         dx = solve_once(h, -b)
-        if not np.abs(dx).max(initial=0.0) < LARGEST / 10:
+        if not within_bounds(dx):
             raise np.linalg.LinAlgError("expected a step within bounds, but Gauss-Newton diverges")
         graph = retract(graph, dx)
         after = chi2(graph)

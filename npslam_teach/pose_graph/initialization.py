@@ -12,10 +12,10 @@ import numpy as np
 
 from npslam_teach.pose_graph.block_sparsity import BlockStructure
 from npslam_teach.pose_graph.factor_kinds import FACTOR_KINDS
-from npslam_teach.pose_graph.factorization import LinearSystem, solve_once
+from npslam_teach.pose_graph.factorization import SINGULAR, LinearSystem, solve_once
 from npslam_teach.pose_graph.linearization import linear_system, normal_equations, residuals
 from npslam_teach.pose_graph.observability import require_connected
-from npslam_teach.pose_graph.unknowns import retract, steps_by_variable, unknowns_of
+from npslam_teach.pose_graph.unknowns import retract, steps_by_variable, unknowns_of, within_bounds
 from npslam_teach.types import PoseGraph
 
 WEAK = 1e-12  # the weight, against the strongest, that keeps headings where they are which no between factor determines
@@ -45,7 +45,10 @@ def chordal_start(graph: PoseGraph, system: LinearSystem | None = None) -> PoseG
     data, b = normal_equations(graph, system.structure, residuals(graph))
     held = _unknowns_at(graph, poses=[False, False, True])
     data, b = _without(system.structure, data, held), np.where(held, 0.0, b)
-    return retract(graph, system.factorize(data)(-b))
+    dx = system.factorize(data)(-b)
+    if not within_bounds(dx):
+        raise np.linalg.LinAlgError(SINGULAR)
+    return retract(graph, dx)
 
 
 def chordal_headings(graph: PoseGraph) -> np.ndarray:

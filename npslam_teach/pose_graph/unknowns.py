@@ -15,7 +15,7 @@ import numpy as np
 from npslam_teach import se2
 from npslam_teach.pose_graph.block_sparsity import FIXED
 from npslam_teach.types import PoseGraph
-from npslam_teach.validation import checked_array
+from npslam_teach.validation import LARGEST, checked_array
 
 VARIABLES = {"poses": "pose", "landmarks": "landmark"}  # the fields of a graph that hold variables, and one of each
 
@@ -95,6 +95,11 @@ def retract(graph: PoseGraph, dx: np.ndarray) -> PoseGraph:
         landmarks[:, 2] = se2.wrap(landmarks[:, 2])
         landmarks[graph.fixed_landmarks] = graph.landmarks[graph.fixed_landmarks]
     return with_estimates(graph, poses, landmarks)
+
+
+def within_bounds(numbers: np.ndarray) -> bool:
+    """Whether a step (n,) or positions, in m, leave room for what ``PoseGraph`` accepts; infinite ones do not."""
+    return bool(np.abs(numbers).max(initial=0.0) < LARGEST / 10)
 
 
 def with_estimates(graph: PoseGraph, poses: np.ndarray, landmarks: np.ndarray) -> PoseGraph:

@@ -17,9 +17,11 @@ def run() -> int:
             enter_environment(sys.argv[1:])
 
         from npslam_teach.cli.parser import main
+        from npslam_teach.system.jupyter import matplotlib_folder
 
         os.environ["MPLBACKEND"] = "agg"  # nothing is shown, and what a user names may not be installed here
-        return main(sys.argv[1:])
+        with matplotlib_folder():
+            return main(sys.argv[1:])
     except KeyboardInterrupt:
         interruption.print_interrupted()
         return interruption.EXIT_CODE

@@ -26,7 +26,7 @@ def own_jupyter() -> dict[str, str]:
 
 def writable_folders() -> dict[str, str]:
     """Variables that send Jupyter, IPython and matplotlib to a temporary folder if one of theirs is not writable."""
-    if all(_is_writable(Path(folder)) for folder in _usual_folders()):
+    if all(is_writable(Path(folder)) for folder in _usual_folders()):
         return {}
     folder = tempfile.mkdtemp(prefix="npslam_teach-")
     say(f"the home folder cannot be written to; Jupyter's own files are in the temporary folder {folder}.")
@@ -40,7 +40,26 @@ def _usual_folders() -> list[str]:
     return [jupyter_config_dir(), jupyter_data_dir(), jupyter_runtime_dir(), ipython]
 
 
-def _is_writable(folder: Path) -> bool:
+@contextlib.contextmanager
+def matplotlib_folder():
+    """Meanwhile matplotlib's own files are in a temporary folder if the home folder, where it keeps them, is read-only.
+
+    Otherwise it says so in two lines, after the answer.
+    """
+    home = os.path.expanduser("~")
+    usual = Path(os.environ.get("XDG_CONFIG_HOME") or Path(home, ".config"), "matplotlib")
+    if "MPLCONFIGDIR" in os.environ or is_writable(usual) or is_writable(Path(home, ".matplotlib")):
+        yield
+        return
+    with tempfile.TemporaryDirectory(prefix="npslam_teach-") as folder:
+        os.environ["MPLCONFIGDIR"] = folder
+        try:
+            yield
+        finally:
+            del os.environ["MPLCONFIGDIR"]
+
+
+def is_writable(folder: Path) -> bool:
     """Whether a file can be made in a folder, which need not exist; what was made for the test is removed."""
     missing = [each for each in (folder, *folder.parents) if not each.exists()]
     try:

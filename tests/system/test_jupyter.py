@@ -107,6 +107,31 @@ def test_lab_starts_where_the_home_cannot_be_written(tmp_path):
         assert status(lab.address) == 200
 
 
+@pytest.mark.skipif(os.name == "nt", reason="a home that is a device is one of POSIX")
+def test_where_the_home_cannot_be_written_matplotlib_does_not_speak_up(tmp_path):
+    here = {name: value for name, value in os.environ.items() if name not in ("MPLCONFIGDIR", "XDG_CONFIG_HOME")}
+    program = (
+        "from npslam_teach.system.jupyter import matplotlib_folder\n"
+        "with matplotlib_folder():\n    import matplotlib; print(matplotlib.get_configdir())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env=here | {"HOME": "/dev/null", "TMPDIR": str(tmp_path)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.stderr == "" and Path(done.stdout.strip()).parent == tmp_path
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_where_the_home_can_be_written_matplotlib_goes_there(tmp_path, monkeypatch):
+    monkeypatch.delenv("MPLCONFIGDIR", raising=False)
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "home"))
+    with jupyter.matplotlib_folder():
+        assert "MPLCONFIGDIR" not in os.environ
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_home_that_can_be_written_is_left_as_it_was(tmp_path, monkeypatch, capsys):
     for name in jupyter.WRITTEN:
         monkeypatch.setenv(name, str(tmp_path / "home" / name))

@@ -38,7 +38,7 @@ from npslam_teach.types import GroundTruth, RobotLog
 
 TENTHS = 10
 FORGOTTEN = 200  # poses out of sight after which the case ``told`` no longer has an object among its active ones
-# Case, rooms, seed, tenths. The method breaks down in the third tenth of a hundred rooms, see ``methods.online``.
+# Case, rooms, seed, tenths. The method breaks down in the second tenth of a hundred rooms, see ``methods.online``.
 RUNS = (
     ("told", 100, 0, 10),
     ("online", 100, 0, 1),

@@ -58,13 +58,13 @@ predict = questions(
         ),
         alts=[("Rankings of all 75 groupings: at 0.35 m all chairs one is best, at 0.05 m the truth is.")],
     ),
-    which_epsilon=choice(
-        "Which ε takes away the ghost, and nothing else?",
-        ["0.33", "0.34 to 0.49", "0.5", "none does"],
-        right=3,
+    taken_away=choice(
+        "The ghost and the cup are taken away: what becomes of the path?",
+        ["it gets better", "it stays as it is", "it gets worse"],
+        right=1,
         mistake=(
-            "To look for the right setting. The ghost and the real cup were seen equally often, and "
-            "the vote can tell no more."
+            "To think that a ghost pulls at the path. What was seen once lies where it was seen, wherever "
+            "the path is, and pulls at nothing."
         ),
     ),
     own_vote=choice(

@@ -56,7 +56,7 @@ predict = questions(
         alts=["Mean pose error against objects found in 20 rooms; small at 15, large beyond."],
     ),
     noise=choice(
-        "At what noise does it stop finding 15 in most rooms?",
+        "At what noise does it stop finding 15 in most of five rooms?",
         ["at 1.5 times", "at 3 times", "at 5 times", "never"],
         right=0,
         mistake="To trust one good run. There is little room above the paper's noise.",

@@ -31,22 +31,18 @@ predict = questions(
         ],
     ),
     gates=choice(
-        "Within the gate of which chair, and with very small gates?",
-        ["one; it is left out", "both; it is a new object", "neither; it is a new object"],
-        right=1,
-        mistake="To expect that a gate finds the right match. It says which are possible.",
+        "What becomes of Obj_5 when both gates are very small?",
+        ["it joins the nearer chair", "it is left out", "it is a new object"],
+        right=2,
+        mistake="To take small gates for careful ones. What lies beyond the second gate of every chair is new.",
     ),
     lie=choice(
-        "Does the NIS tell of the lie in both cases? And the promised error after it?",
-        [
-            "in both; larger",
-            "only with everything in use; the same as after the truth",
-            "in neither; smaller",
-            "only for Obj_5 alone; larger",
-        ],
+        "Does the NIS tell of the lie in both cases?",
+        ["in both", "only with everything in use", "only with Obj_5 alone", "in neither"],
         right=1,
         mistake=(
-            "To think that a filter gets less sure when it is wrong. The covariance never looks at the innovation."
+            "To expect that a wrong match always shows. Where no other sighting contradicts it, it fits as "
+            "well as a right one."
         ),
         alts=[
             "",

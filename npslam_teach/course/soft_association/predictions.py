@@ -73,8 +73,8 @@ predict = questions(
         ],
     ),
     em_adds=choice(
-        "What does EM add to the filter's answer?",
-        ["the right number where it was wrong", "a better map, the same numbers", "both", "nothing"],
+        "What does soft association add to the filter's answer?",
+        ["the right number where it was wrong", "a better path, as any pose graph would", "both", "nothing"],
         right=1,
         mistake=(
             "To hope that weighing everything again finds what was lost. No weight opens an object, or "
@@ -82,12 +82,12 @@ predict = questions(
         ),
     ),
     two_chairs=choice(
-        "Who places two chairs 0.3 m apart better?",
+        "Two chairs 0.3 m apart: which finds the wider gap?",
         ["the mixture of all matchings", "the best matching alone", "they tie"],
         right=1,
         mistake=(
-            "To take more possibilities for more accuracy. Each chair gets a share of the other's "
-            "observations, which draws the two together."
+            "To expect no difference. In the mixture each chair gets a share of the other's observations, "
+            "which draws the two together; the best alone gives a stray one to the wrong chair in full."
         ),
         alts=["Gaps of twenty runs: those of the mixture mostly below 0.3 m, those of the best alone around it."],
     ),

@@ -56,7 +56,7 @@ predict = questions(
             "To look for one culprit. Each of these gifts removes the drift from the first question, "
             "which is where it fails."
         ),
-        alts=["Shares right: with true poses or start, and the scaled kernel, nearly all."],
+        alts=["", "Shares right: with true poses or start, and the scaled kernel, nearly all."],
     ),
     lowest=choice(
         "Keep the lowest of six orders: how many of 30 at noise 2?",

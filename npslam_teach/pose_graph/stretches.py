@@ -31,7 +31,7 @@ from npslam_teach.pose_graph.submaps import (
 # Of landmarks (k,), those asked for from outside of the leaves first .. last: (ids, first, last + 1) -> (k,) bool.
 Kept = Callable[[np.ndarray, int, int], np.ndarray]
 
-LARGEST_TURN = 0.05  # rad, by which a pose of a stretch may turn before the tree is linearized anew
+LARGEST_TURN = 0.05  # rad, by which a pose of a stretch may turn before the stretch is linearized anew
 NONLINEAR = 0.3  # of chi2, by which a joint's linear model may be off before the tree is linearized anew
 MOVED = 1e-3  # m or rad: what has moved less within its stretch need not be linearized anew
 

@@ -12,6 +12,11 @@ it. A *case* says who decides which observation is of which object:
 ``online``  the method
 =========== =========================================================================================
 
+The rows in the repository are of a tree that linearized a few submaps per frame anew. Of the tree that linearizes all
+that has moved at once only nine rooms were driven through, ``told`` with seed 0 and ``online`` with seeds 0 and 1:
+``told`` is then within 0.2 percent of the batch in every tenth and ends at 0.83 m, and ``online`` with seed 0 ends with
+133 objects instead of 135 and at 3.1 m instead of 0.9, with seed 1 with 132 instead of 133 and at 3.3 m instead of 3.7.
+
 Times are those of the thread that works, with one thread for the linear algebra; what else the machine does is not in
 them. They are the only columns that differ from one making to the next.
 """
@@ -38,7 +43,7 @@ from npslam_teach.types import GroundTruth, RobotLog
 
 TENTHS = 10
 FORGOTTEN = 200  # poses out of sight after which the case ``told`` no longer has an object among its active ones
-# Case, rooms, seed, tenths. The method breaks down in the second tenth of a hundred rooms, see ``methods.online``.
+# Case, rooms, seed, tenths. The method breaks down in the second row of a hundred rooms, see ``methods.online``.
 RUNS = (
     ("told", 100, 0, 10),
     ("online", 100, 0, 1),

@@ -7,8 +7,9 @@ asked again by Gibbs moves (``recent``). What is older moves as a whole object o
 ``pose_graph.SubmapTree``, in which a frame redoes what it touches. ``robot.Online`` has all of it; around the
 robot at most ``MOST_NEAR`` old objects are at hand, so that the time of a frame does not depend on how many there are.
 
-It is for buildings of a dozen rooms: of a hundred it drove through the first row; in the second, mergers that were
-wrong bent the map so far that the tree, which takes whole steps, diverged.
+It is for buildings of a few rooms. Of a hundred, in rows of ten, it drove through thirteen with chi2 per observation as
+at the start; by then passes of the second row had been merged with objects of the first, and in the fifteenth room a
+variance of the pose came out negative. Mergers that are probable only together are not taken back.
 """
 
 from collections.abc import Iterator

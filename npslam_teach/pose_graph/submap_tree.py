@@ -1,20 +1,18 @@
-"""A pose graph that grows with the drive, in bounded time per frame: a binary tree of submaps.
+"""A pose graph that grows with the drive, in little time per frame: a binary tree of submaps.
 
 The drive is cut into stretches of a few poses. Each is condensed into a quadratic form in its last pose and in those
 landmarks that are seen from outside (``submaps``), two neighbours into that of both, and so on up to the whole drive: a
 nested dissection in time; the tree grows like a binary counter. A frame changes the newest stretch alone, and only its
 joint with all before is done again, whatever the length of the drive. An old landmark that comes into view again, or
 turns out to be another, is kept on the way from where it was eliminated up to the top: log2(T / 32) joints. Estimates
-of the past are found from the top down, a few joints per frame; what has turned so far that its linear model no longer
-holds is linearized anew, a few per frame, and ``finish`` does the rest. Treemap does the same over space (Frese,
-"Treemap: an O(log n) algorithm for indoor simultaneous localization and mapping", 2006).
+of the past are found from the top down, a few joints per frame. Treemap does the same over space (Frese 2006).
 
-The bound: a joint costs O(b^3) for b landmarks that both sides share with the rest. In a building that is driven row
-by row they are those seen from two rows: b grows with its width, not with the drive. Steps are not controlled: where
-wrong mergers bend a large building the estimate may diverge, and an error is raised.
+Where a joint's linear model no longer holds, all that has moved within its stretch is linearized anew at once, as iSAM
+does (Kaess, Ranganathan and Dellaert, 2008): piece by piece the tree would hold information that nobody has measured,
+and swing about its minimum. That frame takes time in proportion to what has moved; of a large tree it is one in
+``SELDOM`` at most. The bound of all others: a joint costs O(b^3) for b landmarks that both sides share with the rest.
+In a building that is driven row by row they are those seen from two rows: b grows with its width, not with the drive.
 """
-
-import math
 
 import numpy as np
 
@@ -23,15 +21,14 @@ from npslam_teach.pose_graph.factor_lists import FactorLists
 from npslam_teach.pose_graph.linearization import chi2
 from npslam_teach.pose_graph.multi_start import optimize
 from npslam_teach.pose_graph.rows import Rows
-from npslam_teach.pose_graph.stretches import Joint, Stretch, condense, mark, size
+from npslam_teach.pose_graph.stretches import Joint, Stretch, condense, linearize, mark, size
 from npslam_teach.pose_graph.submaps import Submap, carried, turned_back
 from npslam_teach.types import PoseGraph
 from npslam_teach.validation import checked_array, checked_index
 
 STRETCH = 32  # poses
 WALK = 32  # steps per frame towards the past
-MOST_BENT = 4  # linearized anew per frame
-TURN = 4  # frames from one leaf whose turn it is to the next
+FEW, SELDOM, MOST_IN_A_ROW = 64, 120, 3  # a tree of more stretches waits so many frames, or has not waited so often
 MOST_PASSES, NEAR = 10, 1e-6  # of ``finish``; relative change of chi2 after which the tree is left
 
 
@@ -51,11 +48,12 @@ class SubmapTree:
         self._length = stretch
         self._top = self._open = Stretch(0)
         self._whole, self._spine = [], []  # complete trees, ever smaller; the joints of the first one, two, three ...
-        self._leaves, self._turn, self._walk, self._bent = [self._open], 0, [], []
+        self._leaves, self._walk, self._bent = [self._open], [], []
         self._xy, self._first, self._last = Rows((2,)), Rows(dtype=int), Rows(dtype=int)
         self._active, self._became, self._leaves_of = Rows(dtype=bool), Rows(dtype=int), []
         self._factors = FactorLists()
         self.pose, self.redone = np.zeros(3), 0  # (3,) W, the newest; stretches and joints condensed so far
+        self.times_anew, self._credit = 0, float(MOST_IN_A_ROW)  # how often it was linearized anew, and may be now
 
     def add_pose(self, relative_pose: np.ndarray, information: np.ndarray) -> int:
         """Drive one step.
@@ -127,15 +125,7 @@ class SubmapTree:
 
     def front(self) -> Submap:
         """The newest pose and the active landmarks in W, everything else at its best: what a new frame is about."""
-        for node in self._bent[:MOST_BENT] or self._whose_turn():
-            mark(node)
-        del self._bent[:MOST_BENT]
-        try:
-            self.redone += condense(self._top, self._is_asked_for)
-        except np.linalg.LinAlgError:
-            # Second derivatives may leave less at every level, until nothing is left: all anew, by Gauss-Newton alone.
-            list(map(mark, self._leaves))
-            self.redone += condense(self._top, self._is_asked_for, bends=False)
+        self.redone += condense(self._top, self._is_asked_for)
         return self._top.part
 
     def solve(self, walk: int = WALK) -> np.ndarray:
@@ -154,8 +144,9 @@ class SubmapTree:
         for _ in range(walk):
             if not self._walk:
                 self._walk = [] if self._top is self._open else [self._top.left]
-                return
+                break
             self._visit(self._walk.pop())
+        self._keep_linear()
 
     def landmarks(self) -> np.ndarray:
         """(N, 2) m, W: where each stands as far as is known now; of those that became another, as they were then."""
@@ -170,12 +161,10 @@ class SubmapTree:
         return self._became.array
 
     def graph(self) -> tuple[PoseGraph, np.ndarray]:
-        """Everything, from the top of the tree down to its leaves; and the landmark of each index, (N,) -1 = unseen."""
+        """Everything, told from the top down; and the landmark of each index, (N,) -1 = unseen."""
         if self._top.stale:
             self.solve(0)
-        self._walk = [self._open] if self._top is self._open else [self._top.left]
-        while self._walk:
-            self._visit(self._walk.pop())
+        self._walk_all()
         poses = [np.zeros((1, 3)), *(se2.compose(leaf.frame, leaf.poses[1:]) for leaf in self._leaves)]
         return self._factors.graph(np.concatenate(poses), self.landmarks(), self.became())
 
@@ -186,7 +175,7 @@ class SubmapTree:
             tolerance: of ``optimize``.
         """
         graph, _ = self.graph()
-        before = math.inf
+        before = np.inf
         for _ in range(MOST_PASSES):
             if abs(before - (now := chi2(graph))) <= NEAR * (1.0 + now):
                 break
@@ -194,9 +183,27 @@ class SubmapTree:
         return optimize(graph, tolerance)
 
     def linearized_anew(self) -> PoseGraph:
-        """The graph after one step of Newton's method on the whole tree: time in proportion to the drive."""
-        list(map(mark, self._leaves))
+        """The graph after one step of Gauss and Newton on the whole tree: time in proportion to the drive."""
+        self.graph()
+        linearize(self._leaves)
         return self.graph()[0]
+
+    def _walk_all(self) -> None:
+        """Tell everything what the top was told."""
+        self._walk = [self._open] if self._top is self._open else [self._top.left]
+        while self._walk:
+            self._visit(self._walk.pop())
+
+    def _keep_linear(self) -> None:
+        """Linearize anew the stretches that are bent, or all that have moved if a joint is."""
+        self._credit = min(self._credit + 1.0 / SELDOM, MOST_IN_A_ROW)
+        leaves = [node for node in self._bent if isinstance(node, Stretch)]
+        if len(leaves) < len(self._bent) and (self._credit >= 1.0 or len(self._leaves) <= FEW):
+            self._walk_all()
+            leaves = [leaf for leaf in self._leaves if leaf.has_moved]
+            self._credit, self.times_anew = max(self._credit - 1.0, 0.0), self.times_anew + 1
+        linearize(leaves)
+        self._bent = []
 
     def _close(self) -> None:
         """The newest stretch is full: it becomes a leaf, and trees of one size become one of twice the size."""
@@ -210,12 +217,6 @@ class SubmapTree:
         self._open = Stretch(len(self._leaves))
         self._leaves.append(self._open)
         self._top, self._walk = Joint(self._spine[-1], self._open), []
-
-    def _whose_turn(self) -> list:
-        """Where nothing has turned too far: now and then one leaf after the other, so that small errors fade too."""
-        self._turn += 1
-        leaf = self._leaves[self._turn // TURN % len(self._leaves)]
-        return [leaf] if self._turn % TURN == 0 and leaf is not self._open else []
 
     def _lift(self, landmark: int) -> None:
         """A landmark is asked for by more than before: it must not be eliminated where it was."""
@@ -243,8 +244,7 @@ class SubmapTree:
 
     def _inform(self, node, values: np.ndarray) -> None:
         """Give a node the values (n,) of its part; its own landmarks are then known in W."""
-        # What is condensed anew in every frame is linearized anew as well.
-        if node.told(values) and node not in (self._top, self._open) and node not in self._bent:
+        if node.told(values):
             self._bent.append(node)
         ids, xy = node.landmarks_here()
         self._xy.array[ids] = se2.apply(node.frame, xy)

@@ -3,8 +3,8 @@
 A submap lives in the frame S of its first pose. Its variables are its last pose and those landmarks that are seen from
 outside too; all others have been eliminated, exactly as far as the graph is linear. Two submaps that follow one
 another make a larger one: the pose at the seam and the landmarks that only these two see are eliminated. Because each
-lives in a frame of its own, it stays as it is when the drive before it is turned or moved, and only the seam has to be
-linearized anew (Ni and Dellaert, "Multi-level submap based SLAM using nested dissection", 2010).
+lives in a frame of its own, it stays as it is when the drive before it is turned or moved (Ni and Dellaert,
+"Multi-level submap based SLAM using nested dissection", 2010).
 """
 
 import math
@@ -13,8 +13,6 @@ from typing import NamedTuple
 import numpy as np
 
 from npslam_teach.pose_graph.factorization import SINGULAR
-
-LEAST_SHARE = 0.5  # of the information of Gauss and Newton, that second derivatives have to leave in every direction
 
 
 class Submap(NamedTuple):
@@ -91,26 +89,11 @@ class Seam(NamedTuple):
     """
 
     information: np.ndarray  # (N, N) of Gauss and Newton
-    bent: np.ndarray  # (N, N) the same with the second derivatives of the seam: forces turn with it
     gradient: np.ndarray  # (N,)
     constant: float
     of_second: np.ndarray  # where the variables of the second stand, those of the seam in front
     local: np.ndarray  # (n,) the values of the second's variables in its own frame
     jacobian: np.ndarray  # (n, 3 + n) of these by the variables of_second
-
-
-def eliminate_at_seam(seam: Seam, inside: np.ndarray, outside: np.ndarray, bends: bool = True) -> Eliminated:
-    """``eliminate`` for two submaps, with second derivatives where a clear minimum is left, else without them.
-
-    Without them a seam that turns leaves behind it the forces that hold a closed loop in balance, and a tree in which
-    only a few submaps at a time are linearized anew swings about its minimum instead of coming to rest.
-    """
-    information = seam.bent if bends else seam.information
-    try:
-        np.linalg.cholesky(information - LEAST_SHARE * seam.information)
-    except np.linalg.LinAlgError:
-        information = seam.information
-    return eliminate(information, seam.gradient, seam.constant, inside, outside)
 
 
 def add_up(first: Submap, second: Submap, places: tuple[np.ndarray, np.ndarray], at: np.ndarray) -> Seam:
@@ -132,9 +115,7 @@ def add_up(first: Submap, second: Submap, places: tuple[np.ndarray, np.ndarray],
     pull, more = second.moved_to(local)
     information[of_second[:, None], of_second] += jacobian.T @ (second.information @ jacobian)
     gradient[of_second] += jacobian.T @ pull
-    bent = information.copy()
-    bent[of_second[:, None], of_second] += _bending(at[5], local, pull)
-    return Seam(information, bent, gradient, constant + more, of_second, local, jacobian)
+    return Seam(information, gradient, constant + more, of_second, local, jacobian)
 
 
 def seen_from_seam(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -159,25 +140,6 @@ def seen_from_seam(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     jacobian[rows[:, 0], 2], jacobian[rows[:, 1], 2] = xy[:, 1], -xy[:, 0]
     jacobian[2, 2], jacobian[2, 5] = -1.0, 1.0
     return local, jacobian
-
-
-def _bending(heading: float, local: np.ndarray, pull: np.ndarray) -> np.ndarray:
-    """What Gauss-Newton leaves out: forces turn with the seam. ``pull . d^2 local`` by the variables (3 + n, 3 + n).
-
-    Args:
-        heading: rad, of the seam.
-        local: (n,) the second's variables in its own frame.
-        pull: (n,) half the derivative of its chi2 by them.
-    """
-    cos, sin = math.cos(heading), math.sin(heading)
-    points = np.concatenate([[0, 1], np.arange(3, len(local))])
-    force = pull[points].reshape(-1, 2)
-    turned = force @ np.array([[-sin, cos], [-cos, -sin]])  # R' force
-    bending = np.zeros((3 + len(local), 3 + len(local)))
-    bending[2, 3 + points] = bending[3 + points, 2] = turned.ravel()
-    bending[2, :2] = bending[:2, 2] = -turned.sum(axis=0)
-    bending[2, 2] = -(pull[points] @ local[points])
-    return bending
 
 
 def carried(pose: np.ndarray, values: np.ndarray) -> np.ndarray:

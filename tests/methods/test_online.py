@@ -1,5 +1,6 @@
 """Online: frames one at a time give what a log gives, minds are changed, units and order of lines are not in it."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -10,8 +11,9 @@ from npslam_teach.association import same_partition
 from npslam_teach.methods import Online, online
 from npslam_teach.methods.online import frames
 from npslam_teach.methods.repair import completed
-from npslam_teach.methods.robot import MOST_NEAR
+from npslam_teach.methods.robot import MOST_LIFTED, MOST_NEAR, MOST_RECENT
 from npslam_teach.pose_graph import chi2, fit
+from npslam_teach.pose_graph.submap_tree import STRETCH
 from npslam_teach.types import RobotLog
 
 
@@ -91,6 +93,21 @@ def test_at_most_so_many_objects_are_at_hand():
         most = max(most, int(robot.tree.is_active().sum()) - len(robot._recent))
     assert len(np.unique(robot.labels)) > MOST_NEAR
     assert most <= MOST_NEAR
+
+
+def test_the_work_of_a_frame_does_not_grow_with_the_map():
+    """A corridor, counted in condensed submaps and in variables of the front, so that no clock is asked."""
+    objects = np.column_stack([np.repeat(np.arange(60), 2), np.tile([-1.2, 1.2], 60)]).astype(float)
+    log, _ = circle(300, 0.0, objects, 0.02, np.random.default_rng(0))
+    robot, work, at_hand = Online(1, log.odometry_std, log.observation_std, window=10), [], []
+    for _ in frames(robot, log):
+        work.append(robot.tree.redone - sum(work))
+        at_hand.append(int(robot.tree.is_active().sum()))
+    assert len(np.unique(robot.labels)) > 100
+    assert max(at_hand) <= MOST_NEAR + MOST_RECENT
+    depth = math.ceil(math.log2(300 / STRETCH))  # a joint more for twice the drive
+    assert max(work) <= (2 + MOST_LIFTED) * (2 * depth + 2)
+    assert np.mean(work[200:]) < 1.5 * np.mean(work[100:200])
 
 
 def test_a_pass_in_the_window_changes_its_object_when_more_is_seen():

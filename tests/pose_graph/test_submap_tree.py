@@ -68,6 +68,41 @@ def test_before_it_is_finished_it_is_within_a_small_part_of_a_standard_deviation
     assert np.median(off) < 0.1
 
 
+def circuit(seed):
+    """Around a ring of posts and a little farther, with steps whose heading is poor: (T, 3) poses, odometry, posts."""
+    rng, std, num_poses = np.random.default_rng(seed), np.array([0.02, 0.02, 0.12]), 400
+    steps = np.tile([24 * np.pi / (num_poses - 40), 0.0, 2 * np.pi / (num_poses - 40)], (num_poses - 1, 1))
+    poses = se2.dead_reckoning(steps)
+    posts = np.array([se2.apply(pose, [1.5, side]) for pose, side in zip(poses[:360:6], 30 * [1.0, -1.0], strict=True)])
+    return poses, steps + rng.normal(size=steps.shape) * std, np.diag(std**-2.0), posts, rng
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_was_linearized_at_different_times_holds_no_information_that_nobody_measured(seed):
+    """A closed loop: the pose's covariance is that of the batch, and with nothing new it rests at the minimum."""
+    poses, odometry, step, posts, rng = circuit(seed)
+    tree, index = SubmapTree(8), {}
+    for t, pose in enumerate(poses):
+        if t > 0:
+            tree.add_pose(odometry[t - 1], step)
+        seen = se2.apply_inverse(pose, posts)
+        distance = np.linalg.norm(seen, axis=1)
+        for k in np.flatnonzero((distance < 2.5) & (seen[:, 0] > 0)):
+            xy = seen[k] + rng.normal(scale=0.1, size=2)
+            if k not in index:
+                index[k] = tree.add_landmark(se2.apply(tree.pose, xy))
+            tree.add_observation(index[k], xy, 100.0 * np.eye(2))
+        tree.activate([landmark for k, landmark in index.items() if distance[k] > 3.0], False)
+        tree.solve()
+    rest = np.array([tree.solve().copy() for _ in range(20)])
+    best = pose_graph.optimize(tree.graph()[0])
+    (cov,), _ = pose_graph.marginal_covariance(best, [len(poses) - 1], [])
+    std, part = np.sqrt(np.diag(cov)), tree.front()
+    np.testing.assert_allclose(np.sqrt(np.diag(np.linalg.inv(part.information))[:3]), std, rtol=0.1)
+    assert (np.abs(rest - best.poses[-1]) < 0.5 * std).all()
+    assert (np.ptp(rest[10:], axis=0) < 0.02 * std).all()
+
+
 def consistent_log():
     """Measurements without any error: every linear model is exact in value and slope, and no force bends anything."""
     log, truth = simulate.fifteen_objects(3)

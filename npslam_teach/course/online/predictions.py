@@ -41,7 +41,7 @@ predict = questions(
     ),
     revised=choice(
         "Of how many observations does the object change after their frame?",
-        ["of none", "of about one in fourteen", "of more than half"],
+        ["of none", "of about one in ten", "of more than half"],
         right=1,
         mistake=(
             "To expect all or nothing. Most passes are clear at the first look; where drift is wide some begin as an "

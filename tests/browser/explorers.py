@@ -1,13 +1,17 @@
 """Explorers as they stand in a page, and the same ones made here: what a page shows is compared with the library."""
 
+import atexit
 import contextlib
 import functools
 import io
 import re
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
 import nbformat
+import pytest
+from computed_once import compute_once
 from lab_server import ROOT, open_notebook, run_all_cells, timeout_error, write_notebook
 from slices import needed_statements
 
@@ -28,6 +32,13 @@ PICTURE = """root => {
 EXPLORE = re.compile(r"\bexplore_\w+\(")
 EXPLORER = ".npslam-explorer"
 ANSWER_SECONDS = 120
+COMPUTED = tempfile.TemporaryDirectory(prefix="computed_once_")
+atexit.register(COMPUTED.cleanup)
+# The first cell of the page: what takes an explorer seconds is computed by its kernel, and read by this process.
+COMPUTED_ONCE = f"""import sys
+sys.path.append({str(ROOT / "tests" / "helpers")!r})
+from computed_once import compute_once
+compute_once({COMPUTED.name!r})"""
 
 
 def lessons_with_explorers() -> list[str]:
@@ -60,7 +71,8 @@ def explorers_of(lesson: str) -> list[Explorer]:
 def _made(lesson: str) -> list[tuple[Explorer, dict]]:
     """Explorers and the values that they begin with."""
     namespace = {"__name__": lesson}
-    with contextlib.redirect_stdout(io.StringIO()):
+    with contextlib.redirect_stdout(io.StringIO()), pytest.MonkeyPatch.context() as patch:
+        compute_once(COMPUTED.name, patch.setattr)
         for k, source in enumerate(sources_of(lesson)):
             exec(compile(source, f"{lesson}, code cell {k}", "exec"), namespace)
     return [(each, each.values()) for each in namespace.values() if isinstance(each, Explorer)]
@@ -75,7 +87,8 @@ def open_explorers(page, lab, name: str, lessons: list[str]) -> dict[str, list["
         name: of the notebook that is written.
         lessons: the names of their notebooks.
     """
-    write_notebook(lab.folder / "notebooks" / name, *(source for each in lessons for source in sources_of(each)))
+    sources = [source for each in lessons for source in sources_of(each)]
+    write_notebook(lab.folder / "notebooks" / name, COMPUTED_ONCE, *sources)
     open_notebook(page, lab, name)
     run_all_cells(page)
     twins = [(each, twin) for each in lessons for twin in explorers_of(each)]

@@ -26,10 +26,15 @@ def offline(page):
     return page
 
 
+@pytest.fixture(scope="module")
+def exporter():
+    """One for all lessons: it compiles its templates once."""
+    return pytest.importorskip("nbconvert").HTMLExporter(embed_images=True)
+
+
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_axe_finds_nothing_serious_in_an_exported_lesson(path, tmp_path, offline):
-    nbconvert = pytest.importorskip("nbconvert")
-    html, _ = nbconvert.HTMLExporter(embed_images=True).from_filename(str(path))
+def test_axe_finds_nothing_serious_in_an_exported_lesson(path, tmp_path, offline, exporter):
+    html, _ = exporter.from_filename(str(path))
     (tmp_path / "lesson.html").write_text(html, encoding="utf-8")
     offline.goto((tmp_path / "lesson.html").as_uri(), wait_until="load")
     assert offline.locator("img").count() >= 1

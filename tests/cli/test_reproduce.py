@@ -48,6 +48,7 @@ def test_reproduce_runs_on_a_log_with_truth(capsys, log_file):
     assert json.loads(out)["scene"]["name"] == "run.npz"
 
 
+@pytest.mark.slow
 def test_reproduce_is_the_same_for_a_seed_whatever_came_before(capsys, log_file):
     many = json.loads(call(capsys, "reproduce", "--data", log_file, "--seeds", "3", "--json")[1])["runs"]
     one = json.loads(call(capsys, "reproduce", "--data", log_file, "--first-seed", "2", "--json")[1])["runs"]

@@ -47,6 +47,7 @@ def scenes():
         yield simulate.office(seed=seed)[0]
 
 
+@pytest.mark.slow
 def test_no_scene_gets_a_hint_and_each_does_in_degrees():
     logs = list(scenes())
     assert [doubts_about(log) for log in logs] == [[]] * len(logs)

@@ -57,12 +57,14 @@ def test_a_row_is_what_a_run_gives(case, seed):
 @pytest.mark.slow
 def test_estimates_are_what_the_library_estimates():
     noise = list(real_robot.read_table(table.FOLDER / "noise.csv", NOISE_COLUMNS))
-    found = real_robot.noise_row(0)
+    seed = min(SEEDS, key=lambda each: noise[each]["rounds"])  # a round takes seconds, and is the same code
+    found = real_robot.noise_row(seed)
+    assert {name: found[name] for name in ("rounds", "converged")}.items() <= noise[seed].items()
     for name in ("odometry", "observation", "within", "outliers"):
-        assert noise[0][name] == pytest.approx(found[name], rel=0.01, abs=1e-3)
+        assert noise[seed][name] == pytest.approx(found[name], rel=0.01, abs=1e-3)
     case = Case("ekf", "estimated", real_robot.DATA_SHEET)
-    row = table.runs_of(*case)[0]
-    assert row["objects"] == run_case(case, 0).num_objects
+    (row,) = [row for row in table.runs_of(*case) if row["seed"] == seed]
+    assert row["objects"] == run_case(case, seed).num_objects
 
 
 @pytest.mark.slow

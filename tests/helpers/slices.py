@@ -11,11 +11,12 @@ def needed_statements(sources: list[str], wanted: set[int]) -> list[str]:
     finds the names of its cell's time: whoever uses this compares with a notebook that has run as a whole.
     """
     imported = {name for source in sources for name in _imported(ast.parse(source))}
-    names, kept = set().union(*(_bound(ast.parse(sources[k])) for k in wanted)), []
+    names, kept = set(), []
     for k in reversed(range(max(wanted, default=-1) + 1)):
-        statements = []
+        statements, made = [], set().union(*(_bound(ast.parse(sources[each])) for each in wanted if each < k))
         for statement in reversed(ast.parse(sources[k]).body):
-            if k in wanted or (_bound(statement) | _changed(statement) - imported) & names:
+            changed = _changed(statement) - imported
+            if k in wanted or _bound(statement) & names or changed & (names | made):
                 if isinstance(statement, ast.Assign | ast.Import | ast.ImportFrom):
                     names -= _bound(statement)
                 names |= _read(statement)
@@ -51,15 +52,30 @@ def _changed(statement: ast.stmt) -> set[str]:
 
 
 def _read(node: ast.AST) -> set[str]:
-    """Names that are read, but for a function's or a comprehension's own."""
+    """Names that are read from outside: not a function's or a comprehension's own, nor what is bound just before."""
     if isinstance(node, ast.Name):
         return {node.id} if isinstance(node.ctx, ast.Load) else set()
+    if isinstance(node, ast.For):
+        return _read(node.iter) | _read_by(node.body) - _stored(node.target) | _read_by(node.orelse)
+    if isinstance(node, ast.With):
+        own = set().union(*(_stored(each.optional_vars) for each in node.items if each.optional_vars))
+        return set().union(*(_read(each.context_expr) for each in node.items)) | _read_by(node.body) - own
     found = set().union(*map(_read, ast.iter_child_nodes(node)))
     if isinstance(node, ast.FunctionDef):
         stored = {each.id for each in ast.walk(node) if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)}
         return found - stored - {each.arg for each in ast.walk(node) if isinstance(each, ast.arg)}
     if isinstance(node, ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp):
         return found - set().union(*(_stored(each.target) for each in node.generators))
+    return found
+
+
+def _read_by(statements: list[ast.stmt]) -> set[str]:
+    """Names that a block reads before it binds them itself."""
+    found, bound = set(), set()
+    for statement in statements:
+        found |= _read(statement) - bound
+        if isinstance(statement, ast.Assign | ast.Import | ast.ImportFrom | ast.FunctionDef):
+            bound |= _bound(statement)
     return found
 
 

@@ -294,6 +294,7 @@ def test_headings_in_view_follow_a_kalman_filter():
     np.testing.assert_array_equal(alone, [[1.0]])
 
 
+@pytest.mark.slow
 def test_samples_know_of_headings():
     log = tiny(2)
     samples = sample_posterior(log, 100)

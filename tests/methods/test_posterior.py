@@ -1,5 +1,6 @@
 """The posterior over partitions, as a method: what it finds, what it does not depend on, and how sure it is."""
 
+import functools
 from dataclasses import replace
 
 import numpy as np
@@ -27,6 +28,13 @@ RECORDINGS = "mrclam6r1_c5 mrclam6r2_c5 mrclam6r3_c5 mrclam6r3raw_c5 mrclam6r4_c
 def last_of(log, **settings):
     *_, last = posterior(log, **settings)
     return last
+
+
+@functools.cache
+def one_room():
+    """A log, its truth and its answer, which several tests look at."""
+    log, truth = simulate.fifteen_objects(4)
+    return log, truth, last_of(log)
 
 
 @pytest.mark.parametrize("noise", [1.0, 3.0])
@@ -83,11 +91,11 @@ def test_two_chairs_that_are_seen_together_are_two():
 
 @pytest.mark.slow
 def test_the_order_of_lines_and_the_names_of_classes_do_not_matter():
-    log, _ = simulate.fifteen_objects(2)
+    log, _, last = one_room()
     rng = np.random.default_rng(0)
     order, name = rng.permutation(log.num_observations), rng.permutation(log.num_classes)
     other = replace(log, obs_time=log.obs_time[order], obs_xy=log.obs_xy[order], obs_class=name[log.obs_class[order]])
-    assert same_partition(last_of(log).labels[order], last_of(other).labels)
+    assert same_partition(last.labels[order], last_of(other).labels)
 
 
 @pytest.mark.slow
@@ -113,7 +121,7 @@ def test_reports_taken_for_certain_make_objects_of_another_class():
 @pytest.mark.slow
 @pytest.mark.parametrize("scale", [0.1, 25.0])
 def test_the_unit_of_length_does_not_matter(scale):
-    log, _ = simulate.fifteen_objects(4)
+    log, _, last = one_room()
     metres = np.array([scale, scale, 1.0])
     other = replace(
         log,
@@ -122,7 +130,7 @@ def test_the_unit_of_length_does_not_matter(scale):
         odometry_std=log.odometry_std * metres,
         observation_std=log.observation_std * scale,
     )
-    assert same_partition(last_of(log).labels, last_of(other).labels)
+    assert same_partition(last.labels, last_of(other).labels)
 
 
 @pytest.mark.slow
@@ -180,8 +188,8 @@ def test_polishing_finds_what_two_moves_at_once_find():
 
 @pytest.mark.slow
 def test_samples_say_how_sure_it_is():
-    log, _ = simulate.fifteen_objects(1)
-    samples = sample_posterior(log, 80)
+    log, _, found = one_room()
+    samples = sample_posterior(log, 80, found=found)
     assert sum(samples.num_objects_probability.values()) == pytest.approx(1.0)
     assert max(samples.num_objects_probability, key=samples.num_objects_probability.get) in (15, 16)
     count = len(samples.best)
@@ -195,10 +203,14 @@ def test_samples_say_how_sure_it_is():
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100, 105))
 def test_frequencies_of_a_small_log_are_the_exact_posterior(seed):
-    """All partitions of up to seven observations enumerated in the same linear model."""
+    """All partitions of up to seven observations enumerated in the same linear model.
+
+    The distance from the truth of so many right samples is expected to be ``chance``, and varies by less than half of
+    that. What is allowed beside is the 0.02 by which the posterior itself may be missed.
+    """
     log = small_room(seed)
     found, (ordered, back) = last_of(log), in_time(log)
-    samples = sample_posterior(log, 2000, found=found)
+    samples = sample_posterior(log, 1000, found=found)
     model, state = whole_tracklets(ordered, found.labels[np.argsort(back)], found, 1.0, None)
     evidence = model.evidence(reduced_system(state.graph))
     exact = {tuple(each): log_posterior(evidence, np.array(each)) for each in all_partitions(log.obs_class)}
@@ -210,7 +222,7 @@ def test_frequencies_of_a_small_log_are_the_exact_posterior(seed):
     distance = sum(abs(often[each] - exact[each]) for each in exact) / 2
     worth = effective_sample_size(samples.log_posterior)
     chance = sum(np.sqrt(each * (1 - each) / (2 * np.pi * worth)) for each in exact.values())  # expected, of so many
-    assert distance <= 0.02 + 2 * chance, (distance, chance)
+    assert distance <= 0.02 + 1.5 * chance, (distance, chance)
 
 
 def test_what_is_sampled_are_tracklets_without_misfits():

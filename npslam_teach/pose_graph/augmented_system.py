@@ -44,22 +44,28 @@ def augmented_step(
     Returns:
         dx (n,), infinite where the system is singular, and the reduction of chi2 that it brings if all is linear.
     """
-    from scipy.sparse import block_array, eye_array
+    from scipy.sparse import csc_array
 
-    jacobian, whitened = whitened_system(graph, at)
-    lengths = np.sqrt(jacobian.multiply(jacobian).sum(axis=0))
-    scaled, (num_rows, num_unknowns) = jacobian.multiply(1 / lengths), jacobian.shape
-    added = damping * eye_array(num_unknowns)
+    (rows, columns, values), whitened = _whitened_entries(graph, at)
+    num_rows, num_unknowns = len(whitened), unknowns_of(graph).count
+    lengths = np.sqrt(np.bincount(columns, weights=values**2, minlength=num_unknowns))
+    values, below = values / lengths[columns], num_rows + columns
+    i = j = np.arange(num_unknowns)
+    added = np.full(num_unknowns, damping)
     if second_order is not None:
-        added = added + second_order.multiply(1 / lengths).multiply(1 / lengths[:, None])
-    blocks = [[SCALE * eye_array(num_rows), scaled], [scaled.T, -added / SCALE]]
+        term = second_order.tocoo()
+        i, j = np.append(i, term.row), np.append(j, term.col)
+        added = np.append(added, term.data / (lengths[term.row] * lengths[term.col]))
+    own = np.arange(num_rows)
+    entries = np.concatenate([np.full(num_rows, SCALE), values, values, -added / SCALE])
+    places = np.concatenate([own, rows, below, num_rows + i]), np.concatenate([own, below, rows, num_rows + j])
+    system = csc_array((entries, places), shape=(num_rows + num_unknowns,) * 2)
     try:
-        solution = solve_once(block_array(blocks), np.append(whitened, np.zeros(num_unknowns)), pivoting=True)
+        step = -solve_once(system, np.append(whitened, np.zeros(num_unknowns)), pivoting=True)[num_rows:]
     except np.linalg.LinAlgError:
         return np.full(num_unknowns, np.inf), np.inf
-    step = -solution[num_rows:]
-    change = scaled @ step
-    return step / lengths, float(change @ change + step @ (added @ step))
+    change = np.bincount(rows, weights=values * step[columns], minlength=num_rows)
+    return step / lengths, float(change @ change + (added * step[i]) @ step[j])
 
 
 def whitened_system(graph: PoseGraph, at: Residuals):
@@ -72,7 +78,13 @@ def whitened_system(graph: PoseGraph, at: Residuals):
     """
     from scipy.sparse import csc_array
 
-    unknowns, values, rows, columns, whitened, first = unknowns_of(graph), [], [], [], [], 0
+    (rows, columns, values), whitened = _whitened_entries(graph, at)
+    return csc_array((values, (rows, columns)), shape=(len(whitened), unknowns_of(graph).count)), whitened
+
+
+def _whitened_entries(graph: PoseGraph, at: Residuals) -> tuple[tuple[np.ndarray, ...], np.ndarray]:
+    """Row, column and value of every entry of the Jacobian, and the residuals, as of ``whitened_system``."""
+    unknowns, entries, whitened, first = unknowns_of(graph), [], [], 0
     for kind, residual in zip(FACTOR_KINDS, at.by_kind, strict=True):
         if len(residual) == 0:
             continue
@@ -82,10 +94,8 @@ def whitened_system(graph: PoseGraph, at: Residuals):
             block = root @ jacobian
             column = np.broadcast_to(unknowns.of(end.variable, end.index, block.shape[2])[:, None, :], block.shape)
             free = column != FIXED
-            values.append(block[free])
-            rows.append(np.broadcast_to(row, block.shape)[free])
-            columns.append(column[free])
+            entries.append((np.broadcast_to(row, block.shape)[free], column[free], block[free]))
         whitened.append((root @ residual[..., None]).ravel())
         first += residual.size
-    places = np.concatenate(rows), np.concatenate(columns)
-    return csc_array((np.concatenate(values), places), shape=(first, unknowns.count)), np.concatenate(whitened)
+    rows, columns, values = (np.concatenate(each) for each in zip(*entries, strict=True))
+    return (rows, columns, values), np.concatenate(whitened)

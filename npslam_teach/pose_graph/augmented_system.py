@@ -46,7 +46,7 @@ def augmented_step(
     """
     from scipy.sparse import csc_array
 
-    (rows, columns, values), whitened = _whitened_entries(graph, at)
+    (rows, columns, values), whitened = whitened_entries(graph, at)
     num_rows, num_unknowns = len(whitened), unknowns_of(graph).count
     lengths = np.sqrt(np.bincount(columns, weights=values**2, minlength=num_unknowns))
     values, below = values / lengths[columns], num_rows + columns
@@ -68,22 +68,14 @@ def augmented_step(
     return step / lengths, float(change @ change + (added * step[i]) @ step[j])
 
 
-def whitened_system(graph: PoseGraph, at: Residuals):
+def whitened_entries(graph: PoseGraph, at: Residuals) -> tuple[tuple[np.ndarray, ...], np.ndarray]:
     """The Jacobian and the residuals of all factors, divided by their standard deviations.
 
     Args: as in ``augmented_step``.
 
     Returns:
-        ``L^T J``, a ``scipy.sparse.csc_array`` (m, n), and ``L^T r`` (m,), where ``Omega = L L^T``.
+        row, column and value of every entry of ``A = L^T J``, and ``L^T r`` (m,), where ``Omega = L L^T``.
     """
-    from scipy.sparse import csc_array
-
-    (rows, columns, values), whitened = _whitened_entries(graph, at)
-    return csc_array((values, (rows, columns)), shape=(len(whitened), unknowns_of(graph).count)), whitened
-
-
-def _whitened_entries(graph: PoseGraph, at: Residuals) -> tuple[tuple[np.ndarray, ...], np.ndarray]:
-    """Row, column and value of every entry of the Jacobian, and the residuals, as of ``whitened_system``."""
     unknowns, entries, whitened, first = unknowns_of(graph), [], [], 0
     for kind, residual in zip(FACTOR_KINDS, at.by_kind, strict=True):
         if len(residual) == 0:

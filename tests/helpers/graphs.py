@@ -3,6 +3,8 @@
 import numpy as np
 
 from npslam_teach import se2
+from npslam_teach.pose_graph.augmented_system import whitened_entries
+from npslam_teach.pose_graph.linearization import residuals
 from npslam_teach.types import BetweenFactors, ObservationFactors, PoseGraph
 
 
@@ -92,3 +94,11 @@ def whitened_residuals(graph, x):
 
 def pack(graph):
     return np.concatenate([graph.poses[1:].ravel(), graph.landmarks.ravel()])
+
+
+def whitened_system(graph):
+    """The Jacobian (m, n) and the residuals (m,) of all factors, dense, divided by their standard deviations."""
+    (rows, columns, values), whitened = whitened_entries(graph, residuals(graph))
+    jacobian = np.zeros((len(whitened), columns.max() + 1))
+    np.add.at(jacobian, (rows, columns), values)
+    return jacobian, whitened

@@ -27,6 +27,7 @@ SCALE = 1e-6  # c above, for columns of A of unit length: small beside them, lar
 def weights_differ(graph: PoseGraph) -> bool:
     """Whether the largest and the smallest information on the diagonals are further apart than H can hold."""
     weights = np.concatenate([np.einsum("eii->ei", kind.information(graph)).ravel() for kind in FACTOR_KINDS])
+    weights = weights[weights > 0]
     return weights.max(initial=0.0) > MOST_SPREAD * weights.min(initial=np.inf)
 
 
@@ -49,6 +50,7 @@ def augmented_step(
     (rows, columns, values), whitened = whitened_entries(graph, at)
     num_rows, num_unknowns = len(whitened), unknowns_of(graph).count
     lengths = np.sqrt(np.bincount(columns, weights=values**2, minlength=num_unknowns))
+    lengths[lengths == 0] = 1.0  # an unknown without any weight leaves the system singular, as it should
     values, below = values / lengths[columns], num_rows + columns
     i = j = np.arange(num_unknowns)
     added = np.full(num_unknowns, damping)
@@ -80,7 +82,7 @@ def whitened_entries(graph: PoseGraph, at: Residuals) -> tuple[tuple[np.ndarray,
     for kind, residual in zip(FACTOR_KINDS, at.by_kind, strict=True):
         if len(residual) == 0:
             continue
-        ends, root = kind.ends(graph), np.linalg.cholesky(kind.information(graph)).swapaxes(1, 2)
+        ends, root = kind.ends(graph), _roots(kind.information(graph))
         row = first + np.arange(residual.size).reshape(*residual.shape, 1)
         for end, jacobian in zip(ends, kind.jacobians(*(end.estimate for end in ends)), strict=True):
             block = root @ jacobian
@@ -91,3 +93,12 @@ def whitened_entries(graph: PoseGraph, at: Residuals) -> tuple[tuple[np.ndarray,
         first += residual.size
     rows, columns, values = (np.concatenate(each) for each in zip(*entries, strict=True))
     return (rows, columns, values), np.concatenate(whitened)
+
+
+def _roots(information: np.ndarray) -> np.ndarray:
+    """``L^T`` (E, d, d) of ``Omega = L L^T``; of what says nothing in some direction, another root."""
+    try:
+        return np.linalg.cholesky(information).swapaxes(1, 2)
+    except np.linalg.LinAlgError:
+        values, vectors = np.linalg.eigh(information)
+        return np.sqrt(np.maximum(values, 0.0))[:, :, None] * vectors.swapaxes(1, 2)

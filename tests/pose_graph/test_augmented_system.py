@@ -96,3 +96,13 @@ def test_weights_that_differ_are_seen_across_kinds_of_factors():
     assert weights_differ(replace(graph, observations=replace(factors, information=1e10 * factors.information)))
     single = np.where(np.arange(len(factors.information))[:, None, None] == 0, 1e-10, 1.0) * factors.information
     assert weights_differ(replace(graph, observations=replace(factors, information=single)))
+
+
+def test_information_that_says_nothing_in_some_direction_has_a_root_too():
+    graph = random_graph(1, num_poses=8, num_landmarks=3, start_noise=0.1)
+    flat = graph.between.information.copy()
+    flat[2, 2, :] = flat[2, :, 2] = 0.0  # the heading of this step is not measured; a loop tells it
+    graph = replace(graph, between=replace(graph.between, information=flat))
+    assert not weights_differ(graph)  # nothing is not a small weight
+    h, b, _ = linearize(graph)
+    np.testing.assert_allclose(augmented_step(graph, residuals(graph))[0], np.linalg.solve(h.toarray(), -b), rtol=1e-6)

@@ -17,7 +17,7 @@ from npslam_teach.pose_graph.block_sparsity import FIXED
 from npslam_teach.pose_graph.factor_kinds import FACTOR_KINDS
 from npslam_teach.pose_graph.factorization import solve_once
 from npslam_teach.pose_graph.linearization import Residuals
-from npslam_teach.pose_graph.unknowns import unknowns_of
+from npslam_teach.pose_graph.unknowns import unknowns_of, within_bounds
 from npslam_teach.types import PoseGraph
 
 MOST_SPREAD = 1e8  # of the weights in a graph for which H does: half of the digits
@@ -47,7 +47,7 @@ def augmented_step(
     """
     from scipy.sparse import csc_array
 
-    (rows, columns, values), whitened = whitened_entries(graph, at)
+    (rows, columns, values), whitened = _whitened_entries(graph, at)
     num_rows, num_unknowns = len(whitened), unknowns_of(graph).count
     lengths = np.sqrt(np.bincount(columns, weights=values**2, minlength=num_unknowns))
     lengths[lengths == 0] = 1.0  # an unknown without any weight leaves the system singular, as it should
@@ -66,11 +66,13 @@ def augmented_step(
         step = -solve_once(system, np.append(whitened, np.zeros(num_unknowns)), pivoting=True)[num_rows:]
     except np.linalg.LinAlgError:
         return np.full(num_unknowns, np.inf), np.inf
+    if not within_bounds(step / lengths):
+        return step / lengths, np.inf
     change = np.bincount(rows, weights=values * step[columns], minlength=num_rows)
     return step / lengths, float(change @ change + (added * step[i]) @ step[j])
 
 
-def whitened_entries(graph: PoseGraph, at: Residuals) -> tuple[tuple[np.ndarray, ...], np.ndarray]:
+def _whitened_entries(graph: PoseGraph, at: Residuals) -> tuple[tuple[np.ndarray, ...], np.ndarray]:
     """The Jacobian and the residuals of all factors, divided by their standard deviations.
 
     Args: as in ``augmented_step``.

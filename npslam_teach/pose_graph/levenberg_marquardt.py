@@ -41,6 +41,7 @@ SUFFICIENT = 0.75  # the ratio of actual to predicted reduction that watchdog st
 FAST_CONVERGENCE = 0.1  # a reduction below this share of the one before
 LINEAR_CONVERGENCE = 0.02  # a reduction above this share of the one before, and
 NEAR_THE_END = 0.01  # below this share of chi2, is the mark of a large-residual problem
+Step = tuple[np.ndarray, float]  # (n,) and the reduction of chi2 that it brings if all is linear
 
 
 class _NormalEquations:
@@ -56,8 +57,8 @@ class _NormalEquations:
             self._latest = graph, *normal_equations(graph, self.system.structure, at)
         return self._latest[1:]
 
-    def step(self, graph: PoseGraph, at: Residuals, damping: float = 0.0, newton: bool = False):
-        """The step (n,), and the reduction of chi2 that it brings if all is linear.
+    def step(self, graph: PoseGraph, at: Residuals, damping: float = 0.0, newton: bool = False) -> Step:
+        """One step.
 
         Args:
             graph: an estimate.
@@ -68,7 +69,7 @@ class _NormalEquations:
         data, b = self.equations(graph, at)
         data = data + second_order_term(graph, self.system.structure, at) if newton else data
         dx = self.system.solve(_damped(data, self.system.structure.diagonal, damping), -b)
-        return dx, -b @ dx if np.isfinite(dx).all() else np.inf
+        return dx, -b @ dx if within_bounds(dx) else np.inf
 
     def step_again(self, graph: PoseGraph, at: Residuals) -> np.ndarray | None:
         """A step (n,) with the factors of the latest one; None where there are none."""
@@ -78,7 +79,7 @@ class _NormalEquations:
 class _AugmentedSystem(_NormalEquations):
     """The same steps where weights differ by more than H can hold."""
 
-    def step(self, graph: PoseGraph, at: Residuals, damping: float = 0.0, newton: bool = False):
+    def step(self, graph: PoseGraph, at: Residuals, damping: float = 0.0, newton: bool = False) -> Step:
         """As of the normal equations."""
         structure = self.system.structure
         term = structure.matrix(second_order_term(graph, structure, at)) if newton else None
@@ -148,7 +149,9 @@ def levenberg_marquardt(
         yield now
 
 
-def _full_step(now: Iteration, at: Residuals, equations: _NormalEquations, negligible: float, large_residuals: bool):
+def _full_step(
+    now: Iteration, at: Residuals, equations: _NormalEquations, negligible: float, large_residuals: bool
+) -> _Trial:
     """The step from equations of its own."""
     if now.iteration == 0:
         system, (data, _) = equations.system, equations.equations(now.graph, at)

@@ -53,7 +53,7 @@ class SubmapTree:
         self._active, self._became, self._leaves_of = Rows(dtype=bool), Rows(dtype=int), []
         self._factors = FactorLists()
         self.pose, self.redone = np.zeros(3), 0  # (3,) W, the newest; stretches and joints condensed so far
-        self.times_anew, self._credit = 0, float(MOST_IN_A_ROW)  # how often it was linearized anew, and may be now
+        self._credit = float(MOST_IN_A_ROW)  # how often all may be linearized anew now
 
     def add_pose(self, relative_pose: np.ndarray, information: np.ndarray) -> int:
         """Drive one step.
@@ -201,7 +201,7 @@ class SubmapTree:
         if len(leaves) < len(self._bent) and (self._credit >= 1.0 or len(self._leaves) <= FEW):
             self._walk_all()
             leaves = [leaf for leaf in self._leaves if leaf.has_moved]
-            self._credit, self.times_anew = max(self._credit - 1.0, 0.0), self.times_anew + 1
+            self._credit = max(self._credit - 1.0, 0.0)
         linearize(leaves)
         self._bent = []
 

@@ -26,7 +26,7 @@ def own_jupyter() -> dict[str, str]:
 
 def writable_folders() -> dict[str, str]:
     """Variables that send Jupyter, IPython and matplotlib to a temporary folder if one of theirs is not writable."""
-    if all(is_writable(Path(folder)) for folder in _usual_folders()):
+    if all(_is_writable(Path(folder)) for folder in _usual_folders()):
         return {}
     folder = tempfile.mkdtemp(prefix="npslam_teach-")
     say(f"the home folder cannot be written to; Jupyter's own files are in the temporary folder {folder}.")
@@ -48,7 +48,7 @@ def matplotlib_folder():
     """
     home = os.path.expanduser("~")
     usual = Path(os.environ.get("XDG_CONFIG_HOME") or Path(home, ".config"), "matplotlib")
-    if "MPLCONFIGDIR" in os.environ or is_writable(usual) or is_writable(Path(home, ".matplotlib")):
+    if "MPLCONFIGDIR" in os.environ or _is_writable(usual) or _is_writable(Path(home, ".matplotlib")):
         yield
         return
     with tempfile.TemporaryDirectory(prefix="npslam_teach-") as folder:
@@ -59,7 +59,7 @@ def matplotlib_folder():
             del os.environ["MPLCONFIGDIR"]
 
 
-def is_writable(folder: Path) -> bool:
+def _is_writable(folder: Path) -> bool:
     """Whether a file can be made in a folder, which need not exist; what was made for the test is removed."""
     missing = [each for each in (folder, *folder.parents) if not each.exists()]
     try:

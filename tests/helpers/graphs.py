@@ -3,8 +3,8 @@
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.pose_graph.augmented_system import whitened_entries
-from npslam_teach.pose_graph.linearization import residuals
+from npslam_teach.pose_graph.factor_kinds import FACTOR_KINDS
+from npslam_teach.pose_graph.unknowns import unknowns_of
 from npslam_teach.types import BetweenFactors, ObservationFactors, PoseGraph
 
 
@@ -97,8 +97,16 @@ def pack(graph):
 
 
 def whitened_system(graph):
-    """The Jacobian (m, n) and the residuals (m,) of all factors, dense, divided by their standard deviations."""
-    (rows, columns, values), whitened = whitened_entries(graph, residuals(graph))
-    jacobian = np.zeros((len(whitened), columns.max() + 1))
-    np.add.at(jacobian, (rows, columns), values)
-    return jacobian, whitened
+    """The Jacobian and the residuals of all factors, dense, each divided by its standard deviations."""
+    unknowns, jacobians, residuals = unknowns_of(graph), [], []
+    for kind in FACTOR_KINDS:
+        ends = kind.ends(graph)
+        by_end = kind.jacobians(*(end.estimate for end in ends))
+        root = np.linalg.cholesky(kind.information(graph)).swapaxes(1, 2)
+        for e, residual in enumerate(kind.residuals(graph)):
+            row = np.zeros((len(residual), unknowns.count + 1))  # what is fixed goes into the last column
+            for end, jacobian in zip(ends, by_end, strict=True):
+                row[:, unknowns.of(end.variable, end.index[e : e + 1], jacobian.shape[2])[0]] += jacobian[e]
+            jacobians.append(root[e] @ row[:, :-1])
+            residuals.append(root[e] @ residual)
+    return np.concatenate(jacobians), np.concatenate(residuals)

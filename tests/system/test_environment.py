@@ -469,7 +469,7 @@ def copy(tmp_path):
     root = tmp_path / "a course, été"
     for folder in ("system", "cli"):
         (root / "npslam_teach" / folder).mkdir(parents=True)
-    for name in [*STDLIB_ONLY, "system/verification.py"]:
+    for name in [*STDLIB_ONLY, "system/verification.py", "system/jupyter.py"]:
         shutil.copy(ROOT / "npslam_teach" / name, root / "npslam_teach" / name)
     (root / "npslam_teach" / "cli" / "parser.py").write_text(
         "import importlib.util, json, sys\n"

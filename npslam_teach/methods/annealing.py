@@ -26,6 +26,8 @@ from npslam_teach.types import PoseGraph, RobotLog
 TEMPERATURES = tuple(np.geomspace(8.0, 0.05, 13))
 PROPOSALS = 20  # to split or to merge, after every sweep
 COLD, SETTLING_ROUNDS = 0.01, 10
+STRETCHES, HOT, SWEEPS = 8, 5.0, 1
+COOLING = tuple(np.geomspace(5.0, 0.05, 11))
 
 
 class Model(NamedTuple):
@@ -85,6 +87,32 @@ def anneal(
         labels, linear_chi2 = sampler.labels, reduced.chi2(sampler.positions)
         graph, chi2 = solved(model, reduced.graph_at(sampler.positions), labels)
         yield State(temperature, labels, graph, sampler.log_posterior, linear_chi2, chi2)
+
+
+def grown(model: Model, graph: PoseGraph, rng: np.random.Generator) -> State:
+    """The partition found as the robot went along: stretch by stretch, each around the trajectory mended so far.
+
+    Open-loop the trajectory may be far off where loops close, and a linear model around it wrong. What a stretch has
+    closed corrects all that follows.
+
+    Args:
+        model: with N tracklets, in the order of first sight.
+        graph: around which to linearize first.
+        rng: the generator.
+    """
+    begins, labels = model.log.obs_time[first_observations(model.tracklet)], np.zeros(0, dtype=int)
+    for count in _stretches(begins):
+        part, graph = tied_anew(model, graph, np.where(model.tracklet < count, model.tracklet, -1))
+        new = np.arange(count - len(labels)) + labels.max(initial=-1) + 1
+        *_, state = anneal(part, graph, np.append(labels, new), (HOT,) * SWEEPS, rng)
+        labels, graph = state.labels, state.graph
+    return state
+
+
+def _stretches(begins: np.ndarray) -> list[int]:
+    """How many tracklets have begun (N,) by the end of each stretch of the path."""
+    ends = np.linspace(begins[0], begins[-1], STRETCHES + 1)[1:]
+    return np.unique(np.searchsorted(begins, ends, side="right")).tolist()
 
 
 def settled(model: Model, state: State, rng: np.random.Generator) -> State:

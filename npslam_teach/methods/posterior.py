@@ -20,7 +20,7 @@ from dataclasses import replace
 import numpy as np
 
 from npslam_teach.association import require_alpha, require_area
-from npslam_teach.methods.annealing import TEMPERATURES, Model, State, anneal, rivals_of, settled, tied_anew
+from npslam_teach.methods.annealing import COOLING, Model, State, anneal, grown, rivals_of, settled, tied_anew
 from npslam_teach.methods.noise import with_noise
 from npslam_teach.methods.oriented import ChainHeadings, without_headings
 from npslam_teach.methods.partition_score import without_displaced
@@ -115,7 +115,8 @@ def best_of_starts(model: Model, graph: PoseGraph, starts: int, seed) -> Iterato
         rng = np.random.default_rng([*seed, start])
         # Every other search is linear around the best trajectory so far: the first may have been far off.
         around = graph if start % 2 == 0 else tied_anew(model, best.graph, model.tracklet)[1]
-        *_, last = anneal(model, around, np.arange(len(model.rivals)), TEMPERATURES, rng)
+        begun = grown(model, around, rng)
+        *_, last = anneal(model, begun.graph, begun.labels, COOLING, rng)
         last = settled(model, last, rng)
         if best is None or last.log_posterior > best.log_posterior + SAME:
             best, found = last, 1

@@ -42,8 +42,14 @@ class Model(NamedTuple):
 
     def evidence(self, reduced: ReducedSystem) -> TrackletEvidence:
         """The linear model, with the prior."""
+        return self.prior()._replace(
+            constant=reduced.constant, vector=reduced.vector, information=reduced.information
+        )
+
+    def prior(self) -> TrackletEvidence:
+        """The prior alone: what is known beside the places."""
         counts = np.bincount(self.tracklet[self.tracklet >= 0], minlength=len(self.rivals))
-        parts = reduced.constant, reduced.vector, reduced.information
+        parts = 0.0, np.zeros(0), np.zeros((0, 0))
         seen = None if self.log.class_probabilities is None else floored(reports_of(self.log, self.tracklet))
         facing = None if self.headings is None else self.headings.of_tracklets(self.tracklet)
         return TrackletEvidence(*parts, counts, self.rivals, self.alpha, self.area, seen, facing)

@@ -7,13 +7,14 @@ from typing import NamedTuple
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.association import first_observations
+from npslam_teach.association import first_observations, in_order_of_sight
 from npslam_teach.association.gibbs import GibbsSampler
-from npslam_teach.association.partition_posterior import log_posterior
+from npslam_teach.association.partition_posterior import log_posterior, log_prior
 from npslam_teach.association.split_merge import displaced
 from npslam_teach.methods.annealing import Model, rivals_of
 from npslam_teach.methods.gating import GATE
-from npslam_teach.methods.repair import outlier_share, pieces, without_gaps
+from npslam_teach.methods.persistence import comings, passes, persistence
+from npslam_teach.methods.repair import outlier_share, without_gaps
 from npslam_teach.pose_graph import fit, mean_landmarks, observation_factors
 from npslam_teach.pose_graph.reduced_system import ReducedSystem, reduced_system
 from npslam_teach.types import PoseGraph
@@ -62,24 +63,31 @@ def partition_score(model: Model, labels: np.ndarray, graph: PoseGraph) -> float
         labels: (M,) the object of each observation; one that was left out, -1, counts as an object of its own.
         graph: solved for them.
     """
-    finer, reduced, of_piece = _in_pieces(model, labels, graph)
-    score = log_posterior(finer.evidence(reduced), of_piece)
-    for k in range(len(model.rivals)):
-        own = labels[model.tracklet == k]
-        if (own != own[0]).any():
-            score += math.log(1 - GATE) - math.log(ways_to_cut(own))
-    return score
+    finer, reduced, of_pass = in_passes(model, labels, graph)
+    return log_posterior(finer.evidence(reduced), of_pass) + _log_persistence(model, labels, len(of_pass))
 
 
-def ways_to_cut(labels: np.ndarray) -> int:
-    """In how many ways a tracklet whose observations, in time, are of these objects (n,) may be cut like that.
+def partition_prior(model: Model, labels: np.ndarray) -> float:
+    """What ``partition_score`` of labels (M,) counts beside the places: seats, classes, headings, and comings."""
+    piece, of_pass = passes_of(model, labels)
+    evidence = model._replace(tracklet=piece, rivals=np.zeros((len(of_pass),) * 2, dtype=bool)).prior()
+    members = (np.flatnonzero(of_pass == i).tolist() for i in range(of_pass.max(initial=-1) + 1))
+    return sum(log_prior(each, evidence) for each in members) + _log_persistence(model, labels, len(of_pass))
 
-    Either single observations go elsewhere: which k of the n is one of ``n! / k! (n - k)!`` choices. Or another object
-    takes over: when that happens c times, it is between c of n - 1 pairs of neighbours. Which of the two is one more.
-    """
-    most = int(np.unique(labels, return_counts=True)[1].max())
-    changes = int(np.count_nonzero(np.diff(labels)))
-    return 2 * min(math.comb(len(labels), most), math.comb(len(labels) - 1, changes))
+
+def _log_persistence(model: Model, labels: np.ndarray, count: int) -> float:
+    price = persistence(model.log, model.tracklet, model.alpha)
+    again = comings(alone(labels), price.look) - price.comings
+    return (count - len(model.rivals)) * price.log_draw + again * price.log_coming
+
+
+def passes_of(model: Model, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    piece = passes(labels, model.log.obs_time)
+    return piece, in_order_of_sight(alone(labels)[first_observations(piece)])
+
+
+def alone(labels):
+    return np.where(labels < 0, labels.max(initial=-1) + 1 + np.arange(len(labels)), labels)
 
 
 def without_displaced(model: Model, labels: np.ndarray, graph: PoseGraph) -> np.ndarray:
@@ -87,7 +95,7 @@ def without_displaced(model: Model, labels: np.ndarray, graph: PoseGraph) -> np.
     share = outlier_share(model.log, graph, labels)
     if not 0.0 < share <= MOST_OUTLIERS:
         return labels
-    finer, reduced, of_piece = _in_pieces(model, labels, graph)
+    finer, reduced, of_piece = in_passes(model, labels, graph)
     sampler = GibbsSampler(finer.evidence(reduced), of_piece, np.random.default_rng(0))
     spread = np.diag((OUTLIER_FACTOR * model.log.observation_std) ** 2)
     joined = finer.of_observations(displaced(sampler, share, spread))
@@ -98,15 +106,19 @@ def without_displaced(model: Model, labels: np.ndarray, graph: PoseGraph) -> np.
     return without_gaps(np.where(np.isin(np.arange(len(joined)), order[first]), joined, -1))
 
 
-def _in_pieces(model: Model, labels: np.ndarray, graph: PoseGraph) -> tuple[Model, ReducedSystem, np.ndarray]:
+def in_passes(model: Model, labels: np.ndarray, graph: PoseGraph) -> tuple[Model, ReducedSystem, np.ndarray]:
     """Tracklets cut by labels (M,), the graph reduced to them, and the object of each piece (N,)."""
-    piece, of_piece = pieces(model.tracklet, labels)
+    piece, of_piece = passes_of(model, labels)
+    return (*in_pieces(model, labels, graph, piece), of_piece)
+
+
+def in_pieces(model, labels, graph, piece):
     landmarks = mean_landmarks(piece, se2.apply(graph.poses[model.log.obs_time], model.log.obs_xy))
     together = labels[first_observations(piece)]
     landmarks[together >= 0] = graph.landmarks[together[together >= 0]]
     factors = observation_factors(model.log, piece)
     reduced = reduced_system(replace(graph, landmarks=landmarks, observations=factors))
-    return model._replace(tracklet=piece, rivals=rivals_of(model.log, piece)), reduced, of_piece
+    return model._replace(tracklet=piece, rivals=rivals_of(model.log, piece)), reduced
 
 
 def _made_whole(labels: np.ndarray, own: np.ndarray, obs_time: np.ndarray) -> np.ndarray | None:

@@ -7,15 +7,18 @@ observations, solved anew, is kept (``partition_score``).
 
 import numpy as np
 
-from npslam_teach.association import first_observations, same_partition
+from npslam_teach.association import first_observations, in_order_of_sight, same_partition
 from npslam_teach.methods.annealing import COLD, Model, State, anneal, settled, tied_anew
-from npslam_teach.methods.partition_score import Found, with_whole_tracklets
-from npslam_teach.methods.polish import MARGIN
+from npslam_teach.methods.exchanges import with_exchanges, with_moved_passes
+from npslam_teach.methods.partition_score import Found, partition_score, with_whole_tracklets
+from npslam_teach.methods.persistence import passes
 from npslam_teach.methods.repair import attached, classes_of, cut_in_two, pieces, reassigned
 from npslam_teach.methods.takeovers import with_takeovers
+from npslam_teach.pose_graph import fit
 from npslam_teach.types import PoseGraph
 
-WARM, ROUNDS = (1.0, 0.3, 0.1), 3
+WARM, ROUNDS = (3.0, 1.0, 0.3, 0.1), 3
+TRIES = 4
 SAME = 1e-3  # of the log posterior
 MOST_POSES = 500_000  # of as many solved graphs as there are tracklets; long logs are spared that
 
@@ -28,19 +31,38 @@ def refined(model: Model, state: State, rng: np.random.Generator) -> Found:
         state: the best of a search.
         rng: the generator.
     """
-    whole = with_whole_tracklets(model, _with_left_out(model, state), state.graph.poses)
-    finer, state = repaired(model, state, rng)
-    again = with_whole_tracklets(model, finer.of_observations(state.labels), state.graph.poses)
-    best = max(again, _settled(model, again, rng), key=lambda each: each.score)
-    if best.score < whole.score + MARGIN:  # less is within the error of linear models
-        best = whole
-    for _ in range(ROUNDS if _is_short(model) else 0):
-        best = with_takeovers(model, best)
-        again = _settled(model, best, rng)
-        if again.score <= best.score + SAME:
+    best = with_whole_tracklets(model, _with_left_out(model, state), state.graph.poses)
+    if not _is_short(model):
+        return best
+    best = _improved(model, best)
+    for _ in range(TRIES):
+        again = _stirred(model, best, rng)
+        if same_partition(again.labels, best.labels):
             break
-        best = again
+        again = _improved(model, again)
+        if again.score > best.score + SAME:
+            best = again
+        elif again.score > best.score - SAME:
+            break
     return best
+
+
+def _improved(model: Model, found: Found) -> Found:
+    for _ in range(ROUNDS):
+        before = found.score
+        found = with_moved_passes(model, with_exchanges(model, found))
+        if found.score <= before + SAME:
+            break
+    return found
+
+
+def _stirred(model: Model, found: Found, rng: np.random.Generator) -> Found:
+    used = found.labels >= 0
+    piece = in_order_of_sight(passes(found.labels, model.log.obs_time), used)
+    finer, state = _descended(model, found.graph, piece, found.labels[first_observations(piece)], WARM, rng)
+    labels = attached(model.log, finer.of_observations(state.labels), state.graph.poses, _objects(finer, state)[0])
+    graph = fit(model.log, labels, state.graph.poses)
+    return Found(labels, graph, partition_score(model, labels, graph))
 
 
 def repaired(model: Model, state: State, rng: np.random.Generator) -> tuple[Model, State]:

@@ -100,6 +100,22 @@ def joint_system(evidence: TrackletEvidence, labels: np.ndarray) -> tuple[np.nda
     return precision, np.add.reduceat(evidence.vector.reshape(count, 2)[order], starts, axis=0).ravel()
 
 
+def log_priors(labels: np.ndarray, evidence: TrackletEvidence) -> float:
+    """The sum of ``log_prior`` over all objects; in one piece, where only the seats count.
+
+    Args:
+        labels: (N,) the object of each tracklet, from 0 without gaps.
+        evidence: of N tracklets.
+    """
+    order = np.argsort(labels, kind="stable")
+    begins = np.diff(labels[order], prepend=-1) != 0
+    if evidence.classes is not None or evidence.headings is not None:
+        return sum(log_prior(each.tolist(), evidence) for each in np.split(order, np.flatnonzero(begins)[1:]))
+    seated = np.cumsum(evidence.counts[order]) - evidence.counts[order]
+    before = seated - np.maximum.accumulate(np.where(begins, seated, 0))
+    return float(begins.sum() * math.log(evidence.alpha / evidence.area) + np.log(before[~begins]).sum())
+
+
 def log_prior(members: list[int], evidence: TrackletEvidence) -> float:
     """The log prior of an object of these tracklets, in the order of first sight, and of what they say of its class."""
     counts = evidence.counts[members].tolist()

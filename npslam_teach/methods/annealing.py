@@ -26,8 +26,7 @@ from npslam_teach.types import PoseGraph, RobotLog
 TEMPERATURES = tuple(np.geomspace(8.0, 0.05, 13))
 PROPOSALS = 20  # to split or to merge, after every sweep
 COLD, SETTLING_ROUNDS = 0.01, 10
-STRETCHES, HOT, SWEEPS = 8, 5.0, 1
-COOLING = tuple(np.geomspace(5.0, 0.05, 11))
+STRETCHES = 8  # of the path, one after the other
 
 
 class Model(NamedTuple):
@@ -42,17 +41,16 @@ class Model(NamedTuple):
 
     def evidence(self, reduced: ReducedSystem) -> TrackletEvidence:
         """The linear model, with the prior."""
-        return self.prior()._replace(
-            constant=reduced.constant, vector=reduced.vector, information=reduced.information
-        )
+        parts = {"constant": reduced.constant, "vector": reduced.vector, "information": reduced.information}
+        return self.prior()._replace(**parts)
 
     def prior(self) -> TrackletEvidence:
-        """The prior alone: what is known beside the places."""
+        """What is known beside the places."""
         counts = np.bincount(self.tracklet[self.tracklet >= 0], minlength=len(self.rivals))
-        parts = 0.0, np.zeros(0), np.zeros((0, 0))
         seen = None if self.log.class_probabilities is None else floored(reports_of(self.log, self.tracklet))
         facing = None if self.headings is None else self.headings.of_tracklets(self.tracklet)
-        return TrackletEvidence(*parts, counts, self.rivals, self.alpha, self.area, seen, facing)
+        nothing = 0.0, np.zeros(0), np.zeros((0, 0))
+        return TrackletEvidence(*nothing, counts, self.rivals, self.alpha, self.area, seen, facing)
 
     def of_observations(self, labels: np.ndarray) -> np.ndarray:
         """The object of each observation (M,), -1 = none, from that of each tracklet (N,)."""
@@ -96,9 +94,9 @@ def anneal(
 
 
 def grown(model: Model, graph: PoseGraph, rng: np.random.Generator) -> State:
-    """The partition found as the robot went along: stretch by stretch, each around the trajectory mended so far.
+    """A partition that is found stretch by stretch of the path, hot, each around the trajectory mended so far.
 
-    Open-loop the trajectory may be far off where loops close, and a linear model around it wrong. What a stretch has
+    Open-loop the trajectory may be far off where a loop closes, and a linear model around it wrong. What a stretch has
     closed corrects all that follows.
 
     Args:
@@ -110,7 +108,7 @@ def grown(model: Model, graph: PoseGraph, rng: np.random.Generator) -> State:
     for count in _stretches(begins):
         part, graph = tied_anew(model, graph, np.where(model.tracklet < count, model.tracklet, -1))
         new = np.arange(count - len(labels)) + labels.max(initial=-1) + 1
-        *_, state = anneal(part, graph, np.append(labels, new), (HOT,) * SWEEPS, rng)
+        *_, state = anneal(part, graph, np.append(labels, new), TEMPERATURES[1:2], rng)
         labels, graph = state.labels, state.graph
     return state
 

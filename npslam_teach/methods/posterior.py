@@ -6,11 +6,13 @@ apart, and how far drift may have carried them apart. It has no kernel and no th
 
 1. ``tracklets``: the observations of one pass over one object.
 2. ``pose_graph.reduced_system``: chi2 as a quadratic form in the positions of the tracklets, all poses eliminated.
-3. ``annealing``: Gibbs moves and split-merge moves (``association.gibbs``), from hot to cold, several times.
+3. ``annealing``: Gibbs moves and split-merge moves (``association.gibbs``), along the path while it is hot, and then
+   from hot to cold; several times.
    Headings count object by object: how well those of its tracklets agree, the error of the robot's own heading being
    the random walk of the odometry (``oriented.ChainHeadings``); trajectory and map are of positions until the end,
    and so is what ``refinement`` looks at.
-4. ``refinement``: tracklets and observations looked at again with the whole map at hand, and those that were left out.
+4. ``refinement``: tracklets and observations looked at again with the whole map at hand, and those that were left out;
+   what is in view stays in view (``persistence``).
    For logs of few observations ``polish`` instead: every near rival judged around its own solution.
 """
 
@@ -20,7 +22,7 @@ from dataclasses import replace
 import numpy as np
 
 from npslam_teach.association import require_alpha, require_area
-from npslam_teach.methods.annealing import COOLING, Model, State, anneal, grown, rivals_of, settled, tied_anew
+from npslam_teach.methods.annealing import TEMPERATURES, Model, State, anneal, grown, rivals_of, settled, tied_anew
 from npslam_teach.methods.noise import with_noise
 from npslam_teach.methods.oriented import ChainHeadings, without_headings
 from npslam_teach.methods.partition_score import without_displaced
@@ -116,7 +118,7 @@ def best_of_starts(model: Model, graph: PoseGraph, starts: int, seed) -> Iterato
         # Every other search is linear around the best trajectory so far: the first may have been far off.
         around = graph if start % 2 == 0 else tied_anew(model, best.graph, model.tracklet)[1]
         begun = grown(model, around, rng)
-        *_, last = anneal(model, begun.graph, begun.labels, COOLING, rng)
+        *_, last = anneal(model, begun.graph, begun.labels, TEMPERATURES[1:], rng)
         last = settled(model, last, rng)
         if best is None or last.log_posterior > best.log_posterior + SAME:
             best, found = last, 1

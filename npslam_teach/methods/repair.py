@@ -3,7 +3,7 @@
 import numpy as np
 
 from npslam_teach import se2
-from npslam_teach.association import first_observations, in_order_of_sight, one_to_one
+from npslam_teach.association import in_order_of_sight, one_to_one
 from npslam_teach.association.semantics import beliefs, class_distances, reports
 from npslam_teach.methods.gating import GATE, frames_with_observations, squared_residuals
 from npslam_teach.pose_graph import squared_radius
@@ -56,54 +56,6 @@ def classes_of(log: RobotLog, labels: np.ndarray) -> np.ndarray:
     """
     used = np.flatnonzero(labels >= 0)
     return beliefs(reports(log)[used], labels[used], labels.max(initial=-1) + 1)
-
-
-def cut_in_two(log: RobotLog, poses: np.ndarray, landmarks: np.ndarray, tracklet: np.ndarray) -> np.ndarray:
-    """Cut every tracklet where its residuals change most: where another object may have taken over.
-
-    Args:
-        log: what was measured.
-        poses: (T, 3) W.
-        landmarks: (N, 2) m, W: where the object of each tracklet stands.
-        tracklet: (M,) of each observation, in the order of the poses; -1 = of none.
-
-    Returns:
-        (M,) index of the half, in the order of first sight.
-    """
-    off = se2.apply(poses[log.obs_time], log.obs_xy) - np.vstack([landmarks, [0.0, 0.0]])[tracklet]
-    half = np.zeros(len(tracklet), dtype=int)
-    for k in range(len(landmarks)):
-        own = np.flatnonzero(tracklet == k)
-        half[own[_greatest_change(off[own]) :]] = 1
-    return in_order_of_sight(np.column_stack([tracklet, half]), tracklet >= 0)
-
-
-def _greatest_change(off: np.ndarray) -> int:
-    """Before which of the residuals (n, 2) their mean changes most significantly; 0 for a single one."""
-    before = np.arange(1, len(off))
-    after = len(off) - before
-    sums = np.cumsum(off, axis=0)
-    difference = sums[:-1] / before[:, None] - (sums[-1] - sums[:-1]) / after[:, None]
-    significance = (difference**2).sum(axis=1) * before * after
-    return int(significance.argmax()) + 1 if len(before) else 0
-
-
-def pieces(tracklet: np.ndarray, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Cut tracklets where their observations turn out to be of several objects.
-
-    Args:
-        tracklet: (M,) of each observation, -1 = of none.
-        labels: (M,) the object of each observation, -1 = of none: such an observation is a piece of its own.
-
-    Returns:
-        (M,) the piece of each observation, in the order of first sight; (N,) the object of each piece.
-    """
-    alone = (tracklet < 0) | (labels < 0)
-    keys = np.column_stack([tracklet, labels, np.where(alone, np.arange(len(labels)), -1)])
-    piece = in_order_of_sight(keys)
-    of_piece = labels[first_observations(piece)]
-    of_piece[of_piece < 0] = len(labels) + np.arange(np.count_nonzero(of_piece < 0))
-    return piece, np.unique(of_piece, return_inverse=True)[1]
 
 
 def outlier_share(log: RobotLog, graph: PoseGraph, labels: np.ndarray) -> float:

@@ -8,7 +8,6 @@ import pytest
 from npslam_teach import se2, simulate
 from npslam_teach.association import in_order_of_sight
 from npslam_teach.methods.oriented import Headings
-from npslam_teach.methods.repair import cut_in_two, pieces
 from npslam_teach.methods.tracklets import LONGEST_GAP, Surroundings, tied_both_ways, tracklets
 from npslam_teach.types import RobotLog
 
@@ -72,21 +71,6 @@ def test_what_was_not_seen_for_long_begins_anew():
     assert tracklets(log).tolist() == [0, 0, 0, 1]
 
 
-def test_pieces_keep_what_stays_together():
-    tracklet, labels = np.array([0, 0, 0, 1, 1, -1, -1]), np.array([0, 0, 1, 1, 1, 0, -1])
-    piece, of_piece = pieces(tracklet, labels)
-    assert piece.tolist() == [0, 0, 1, 2, 2, 3, 4]
-    assert of_piece.tolist() == [0, 1, 1, 0, 2]
-
-
 def test_numbers_are_in_the_order_of_sight():
     keys = np.array([[7], [3], [7], [1]])
     assert in_order_of_sight(keys, np.array([True, True, True, False])).tolist() == [0, 1, 0, -1]
-
-
-def test_a_tracklet_is_cut_where_another_object_takes_over():
-    rng = np.random.default_rng(0)
-    xy = np.concatenate([np.tile([1.0, 0.0], (9, 1)), np.tile([3.0, 1.0], (6, 1))]) + rng.normal(0, 0.1, (15, 2))
-    log = RobotLog(np.zeros((14, 3)), np.arange(15), xy, np.zeros(15, int), 1, (0.01,) * 3, (0.1,) * 2)
-    halves = cut_in_two(log, np.zeros((15, 3)), xy.mean(axis=0)[None], np.zeros(15, int))
-    assert halves.tolist() == [0] * 9 + [1] * 6

@@ -42,10 +42,14 @@ def with_exchanges(model: Model, found: Found) -> Found:
 
 
 def _squared_distances(model: Model, found: Found) -> np.ndarray:
-    """Of all observations to all objects, by place and class: (M, K)."""
+    """Of all observations to all objects, by place, class and heading: (M, K)."""
     log, every = model.log, np.arange(model.log.num_observations)[:, None]
     squared = squared_residuals(log, every, found.graph.poses, found.graph.landmarks)
-    return squared + class_distances(reports(log), classes_of(log, found.labels))
+    squared = squared + class_distances(reports(log), classes_of(log, found.labels))
+    if model.headings is None:
+        return squared
+    turned = np.append(0.0, np.cumsum(log.odometry[:, 2]))
+    return squared + model.headings.squared_turns(found.labels, found.graph.poses[:, 2] - turned)
 
 
 def _rivals(squared: np.ndarray, labels: np.ndarray, price: Persistence) -> list[list[int]]:

@@ -171,3 +171,33 @@ class ChainHeadings:
         after = 1.0 - np.cumsum(seen, axis=1)[:, :-1] / counts[:, None]  # the share that is seen after each step
         cov = (after * self.step_var) @ after.T + np.diag(self.var / counts)
         return HeadingEvidence(mean_headings(tracklet, self.theta, self.symmetry), cov, symmetry)
+
+    def agreement_within(self, tracklet: np.ndarray) -> float:
+        """``log_heading_evidence`` of the observations of each tracklet for being one heading, summed over tracklets.
+
+        While an object stays in view the robot's own heading errs little, and that error is left out here.
+
+        Args:
+            tracklet: (M,) of each observation, from 0 without gaps; -1 = of none.
+        """
+        used = np.flatnonzero((tracklet >= 0) & (self.symmetry > 0))
+        own, symmetry = tracklet[used], symmetry_of_objects(tracklet, self.symmetry)
+        counts = np.bincount(own, minlength=len(symmetry))
+        mean = mean_headings(tracklet, self.theta, self.symmetry)
+        squared = se2.wrap_symmetric(self.theta[used] - mean[own], symmetry[own]) ** 2 / self.var
+        said = counts > 0
+        counts, span = counts[said], 2 * np.pi / symmetry[said]
+        log_det = counts * np.log(self.var) + np.log(counts / self.var)
+        return float(((counts - 1) * np.log(span / np.sqrt(2 * np.pi)) - log_det / 2).sum() - squared.sum() / 2)
+
+    def squared_turns(self, labels: np.ndarray, correction: np.ndarray) -> np.ndarray:
+        """How far every observation is turned from every object, squared, in standard deviations: (M, K).
+
+        Args:
+            labels: (M,) the object of each, from 0 without gaps; -1 = of none.
+            correction: (T,) rad, what the heading of each pose is beyond the turns of the odometry.
+        """
+        theta, symmetry = self.theta + correction[self.time], symmetry_of_objects(labels, self.symmetry)
+        both = (self.symmetry[:, None] > 0) & (symmetry > 0)
+        off = theta[:, None] - mean_headings(labels, theta, self.symmetry)
+        return se2.wrap_symmetric(off, np.where(both, symmetry, 0)) ** 2 / self.var

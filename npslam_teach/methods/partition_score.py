@@ -49,16 +49,20 @@ def partition_score(model: Model, labels: np.ndarray, graph: PoseGraph) -> float
     number, of_pass = passes_of(labels, model.log.obs_time)
     finer, reduced = in_pieces(model, labels, graph, number)
     price = persistence(model.tracklet, model.log.obs_time, model.alpha)
-    again = price.log_prior(num_comings(singled_out(labels), price.look), len(of_pass))
-    return log_posterior(finer.evidence(reduced), of_pass) + again
+    return log_posterior(finer.evidence(reduced), of_pass) + _log_within_passes(model, labels, number, price)
 
 
 def partition_prior(model: Model, labels: np.ndarray, price: Persistence) -> float:
     """What ``partition_score`` of labels (M,) counts beside the places: seats, classes, headings and persistence."""
     number, of_pass = passes_of(labels, model.log.obs_time)
     evidence = model._replace(tracklet=number).prior()
-    again = price.log_prior(num_comings(singled_out(labels), price.look), len(of_pass))
-    return log_priors(of_pass, evidence) + again
+    return log_priors(of_pass, evidence) + _log_within_passes(model, labels, number, price)
+
+
+def _log_within_passes(model: Model, labels: np.ndarray, number: np.ndarray, price: Persistence) -> float:
+    """What does not show in the posterior of passes, (M,) of each observation: their number, comings and headings."""
+    again = price.log_prior(num_comings(singled_out(labels), price.look), int(number.max()) + 1)
+    return again + (0.0 if model.headings is None else model.headings.agreement_within(number))
 
 
 def without_displaced(model: Model, labels: np.ndarray, graph: PoseGraph) -> np.ndarray:

@@ -77,7 +77,9 @@ def cost_of(which, squared, look, log_coming, log_alone):
         if each in frames[look[k]]:
             return math.inf
         frames[look[k]].append(each)
-    return cost - log_coming * sum(each not in frames.get(frame - 1, []) for frame, own in frames.items() for each in own)
+    return cost - log_coming * sum(
+        each not in frames.get(frame - 1, []) for frame, own in frames.items() for each in own
+    )
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -117,7 +119,9 @@ def test_the_score_of_whole_tracklets_is_their_log_posterior(room):
     finer, reduced = in_pieces(model, truth, found.graph, tracklet)
     of_tracklet = truth[np.unique(tracklet, return_index=True)[1]]
     model = model._replace(rivals=finer.rivals)
-    assert partition_score(model, truth, found.graph) == pytest.approx(log_posterior(finer.evidence(reduced), of_tracklet))
+    assert partition_score(model, truth, found.graph) == pytest.approx(
+        log_posterior(finer.evidence(reduced), of_tracklet)
+    )
 
 
 def test_prior_and_places_make_the_score(room):

@@ -22,7 +22,7 @@ sys.path[:0] = [str(TESTS.parent), str(TESTS / "helpers")]  # as in tests; the p
 import psutil  # noqa: E402
 from explorers import EXPLORER  # noqa: E402
 from lab_process import running_lab  # noqa: E402
-from lab_server import LARGE_WINDOW, ROOT, how_chromium_starts  # noqa: E402
+from lab_server import LARGE_WINDOW, ROOT, how_chromium_starts, wait_until_idle  # noqa: E402
 
 BUDGET = 10.0  # s, of the wall clock
 PICTURE = f"""() => [...document.querySelectorAll(".jp-Notebook {EXPLORER} figure :is(img, svg)")].some(
@@ -100,6 +100,7 @@ def measure(start: str, course: Path, folder: Path) -> Row:
             below = tree(server)
             page_processes = [each for each in tree(psutil.Process()) if each not in below]
             used = processor_seconds(below), processor_seconds(page_processes[1:])
+            wait_until_idle(page)  # a server whose kernel is just being made does not end when it is asked to
     return Row(start, listens - begin, shown - opened, *used)
 
 

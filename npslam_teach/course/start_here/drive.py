@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from npslam_teach import se2
+from npslam_teach import fifteen_objects, np_graph, se2
 from npslam_teach.course import moving_scene
 from npslam_teach.course.explorers import Explorer, player
 from npslam_teach.course.scene import Panel, Scene
@@ -15,6 +15,12 @@ STOPS = 29  # of the drive, the first pose and the last among them
 BEGIN = 12  # the stop that is shown first: on the way, with something before the camera
 EVERY = 4  # of the poses of the path is drawn
 ROBOT = np.array([(0.45, 0.0), (-0.3, 0.27), (-0.15, 0.0), (-0.3, -0.27)])  # m, larger than life
+
+
+def explore_first_drive() -> Explorer:
+    """Play the drive through the room of the lesson, which is all that its first cell does."""
+    log, truth = fifteen_objects()
+    return explore_drive(log, truth, list(np_graph(log)))
 
 
 def explore_drive(log: RobotLog, truth: GroundTruth, snapshots: list[Snapshot]) -> Explorer:

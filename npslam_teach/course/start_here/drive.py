@@ -1,5 +1,7 @@
 """The opening of the course: the robot drives, sightings drop along the path that it believes, and then they join."""
 
+from collections import Counter
+
 import numpy as np
 
 from npslam_teach import fifteen_objects, np_graph, se2
@@ -68,8 +70,9 @@ def words(log: RobotLog, truth: GroundTruth, now: int, seen: int, snapshots: lis
             f"After {rounds} rounds the method says that the {seen} sightings are of {snapshots[-1].num_objects} "
             f"objects, and it has moved the path."
         )
-    names = [truth.world.class_names[c] for c in log.obs_class[log.obs_time == now]]
-    looks = f"Its camera sees {', '.join('a ' + name for name in names) or 'nothing that it knows'}."
+    counts = Counter(truth.world.class_names[c] for c in log.obs_class[log.obs_time == now])
+    things = [f"a {name}" if number == 1 else f"{number} {name}s" for name, number in counts.items()]
+    looks = f"Its camera sees {', '.join(things) or 'nothing that it knows'}."
     return (
         f"At pose {now} of {log.num_poses - 1} the robot has made {seen} sightings, each an object of its own. {looks}"
     )

@@ -133,6 +133,17 @@ def test_lab_listens_on_the_loopback_address_and_keeps_the_token(monkeypatch):
     assert not any("token" in argument.lower() or "password" in argument.lower() for argument in arguments)
 
 
+def test_what_jupyter_imports_is_left_to_its_own_process():
+    """It takes a second, and the process that starts Jupyter would pay it once more."""
+    code = (
+        "import sys\nfrom npslam_teach.cli import checkout, parser\n"
+        "checkout._run_python = lambda arguments: print(arguments[1], 'nbformat' in sys.modules)\n"
+        "parser.main(['lab', '--no-browser'])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert done.stdout.split() == ["npslam_teach.system.trust", "False"]
+
+
 def test_test_hands_its_arguments_to_pytest(monkeypatch):
     started = []
     monkeypatch.setattr(checkout, "_run_module", lambda arguments, variables: started.append(arguments) or 5)

@@ -136,6 +136,6 @@ def test_run_all_shows_what_the_lesson_sets(lesson, lab):
     page.wait_for_timeout(1500)  # an echo that comes late would come now
     assert shown.picture()["words"] == printed
     fields = {each.name: each.readout.input_value() for each in shown.controls if not each.is_list}
-    assert fields == {"alpha": "0.50", "threshold": "0.00", "kernel_std": "0.25"}
+    assert fields == {"alpha": "0.90", "threshold": "0.30", "kernel_std": "0.3536"}
     assert shown.picture() == shown.expected()
     assert shown.root.locator("svg, img").count() == 1, "one picture, not a second one below"

@@ -88,6 +88,14 @@ def test_every_picture_has_an_alternative_text(committed):
     assert min(len(alt) for alt in alts) > 20
 
 
+@pytest.mark.parametrize("committed", LESSONS[:1], indirect=True, scope="module")
+def test_the_drive_is_seen_without_scrolling_before_anything_has_run(committed):
+    _, page = committed
+    title = page.locator(".jp-Notebook .jp-Cell").first.bounding_box()
+    drive = page.locator(".jp-Notebook .jp-OutputArea img").first.bounding_box()
+    assert drive["height"] > 300 and drive["y"] + drive["height"] - title["y"] < 900
+
+
 @every_lesson
 def test_a_lesson_that_is_opened_and_saved_stays_the_same_to_the_byte(committed, lab):
     """With its kernel running, whose language JupyterLab would write into the file; else ``git pull`` would refuse."""

@@ -26,7 +26,7 @@ def tidy(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
     notebook.metadata["kernelspec"] = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
     notebook.metadata["language_info"] = {"name": "python"}
     for cell in notebook.cells:
-        kept = {"tags", "jupyter"} if "install" in cell.metadata.get("tags", []) else {"tags"}
+        kept = {"tags", "jupyter", "cellView"} if "install" in cell.metadata.get("tags", []) else {"tags"}
         cell.metadata = {key: value for key, value in cell.metadata.items() if key in kept}
         if cell.cell_type == "code":
             cell.outputs = joined_streams(cell.outputs)

@@ -2,12 +2,10 @@
 
 import os
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 from npslam_teach.cli.output_files import announce, folder_named
 from npslam_teach.system.interpreter import replace_process
-from npslam_teach.system.trust import trust_committed
 
 ROOT = Path(__file__).absolute().parent.parent.parent
 # A student's list of files begins with lessons, not with their solutions, which links still open.
@@ -21,7 +19,7 @@ def lab(options) -> int:
     first = "notebooks/00_start_here.ipynb"
     _require_checkout(ROOT / first)
     # The root is the whole course: lessons show pictures from the folder beside theirs.
-    arguments = ["jupyterlab", "--ServerApp.ip=127.0.0.1", f"--ServerApp.root_dir={ROOT}"]
+    arguments = ["npslam_teach.system.trust", "--ServerApp.ip=127.0.0.1", f"--ServerApp.root_dir={ROOT}"]
     # A preferred folder of the user's own lies outside of this one, and Jupyter would refuse to start.
     arguments += [f"--ServerApp.preferred_dir={ROOT}", f"--ContentsManager.preferred_dir={ROOT}"]
     arguments += [f"--LabApp.default_url=/lab/tree/{first}"]
@@ -34,7 +32,7 @@ def lab(options) -> int:
         arguments += ["--allow-root"]
     arguments += [f"--ContentsManager.hide_globs={name}" for name in HIDDEN]
     arguments += ["--FileContentsManager.pre_save_hook=npslam_teach.system.saving.keep_what_was_there"]
-    return _run_module(arguments, {"JUPYTER_CONFIG_PATH": _config_path()}, before=trust_committed)
+    return _run_module(arguments, {"JUPYTER_CONFIG_PATH": _config_path()})
 
 
 def _config_path() -> str:
@@ -133,25 +131,18 @@ def _require_checkout(path: Path) -> None:
         )
 
 
-def _run_module(
-    arguments: list[str],
-    variables: dict[str, str] | None = None,
-    before: Callable[[Path], object] | None = None,
-) -> int:
+def _run_module(arguments: list[str], variables: dict[str, str] | None = None) -> int:
     """Run ``python -m`` on this interpreter, in the course's folder, in place of this process.
 
     Args:
         arguments: the module and what it is given.
         variables: of its environment, beside those that Jupyter needs.
-        before: what is done with the course's folder first, in that environment.
     """
     from npslam_teach.system.jupyter import own_jupyter, writable_folders
 
     os.environ.update(own_jupyter() | writable_folders() | (variables or {}))
     os.environ.pop("MPLBACKEND", None)  # a kernel chooses its own, and another may not be installed here
     os.chdir(ROOT)
-    if before is not None:
-        before(ROOT)
     return _run_python(["-m", *arguments])
 
 

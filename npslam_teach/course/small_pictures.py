@@ -14,15 +14,14 @@ from npslam_teach.plotting.style import (
 )
 
 
-def bars_figure(values: dict[str, float], labels: tuple[str, str], title: str, line=None, log: bool = False) -> Figure:
-    """A bar for each name, with its number above.
+def bars_figure(values: dict[str, float], labels: tuple[str, str], title: str, line=None) -> Figure:
+    """A bar for each name, with its number above, on a linear axis: on any other its length says nothing.
 
     Args:
         values: by name, in their order.
         labels: of both axes, with their units.
         title: what the picture says.
         line: (value, name) of a dashed line across.
-        log: whether the axis of values is logarithmic.
     """
     figure, ax = new_figure(size=(7.5, 3.4))
     ax.bar(list(values), list(values.values()), 0.55, color=CLASS_COLORS[0], edgecolor=ESTIMATE_COLOR, linewidth=0.6)
@@ -35,8 +34,6 @@ def bars_figure(values: dict[str, float], labels: tuple[str, str], title: str, l
     if line is not None:
         ax.axhline(line[0], label=line[1], **TRUTH_LINE)
         legend_beside(ax)
-    if log:
-        ax.set_yscale("log")
     ax.margins(y=0.15)
     ax.grid(False, axis="x")
     return label_axes(ax, *labels, title).figure

@@ -13,6 +13,7 @@ import nbformat
 from npslam_teach.publishing import book_page, lessons
 from npslam_teach.publishing.book_markdown import Chapter, render
 from npslam_teach.publishing.colab import TAG as INSTALL
+from npslam_teach.publishing.colab import own_source
 from npslam_teach.system.files import atomic_write
 
 _WIDGET = "application/vnd.jupyter.widget-view+json"
@@ -81,7 +82,10 @@ def for_paper(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
     Args:
         notebook: the lesson, which is changed.
     """
-    notebook.cells = [cell for cell in notebook.cells if INSTALL not in cell.metadata.get("tags", [])]
+    for cell in notebook.cells:
+        if INSTALL in cell.metadata.get("tags", []):
+            cell.source = own_source(cell.source)
+    notebook.cells = [cell for cell in notebook.cells if cell.source]
     for cell in notebook.cells:
         for output in cell.get("outputs", []):
             if _WIDGET in output.get("data", {}):

@@ -1,5 +1,7 @@
 """How a lesson begins: a badge that opens it in Colab, and a cell that installs the course where it is missing.
 
+Of a lesson that opens with a picture, the cell makes that, too, so that nothing stands between title and picture.
+
 Both depend on where the course is published, which is written in one place: ``Repository`` under ``[project.urls]`` in
 ``pyproject.toml``. A copy that is not published has no such line; its badges open the page on which Colab asks for a
 repository, and its cell says what is missing.
@@ -30,6 +32,7 @@ if importlib.util.find_spec("npslam_teach") is None:  # so it is in a browser an
         await importlib.import_module("piplite").install("npslam_teach")
     else:
         {elsewhere}"""
+_INSTALLS = re.compile(r"import importlib\.util\n\nif [^\n]*\n(?: {4}[^\n]*\n?)*\n*")
 _GET = 'get_ipython().run_line_magic("pip", "install -q git+{repository}")'
 _SAY = 'raise ModuleNotFoundError("run %pip install git+ADDRESS, the course\'s own, in a cell above")'
 
@@ -78,6 +81,11 @@ def install_source(address: str | None) -> str:
     return _INSTALL.format(elsewhere=_SAY if address is None else _GET.format(repository=address))
 
 
+def own_source(source: str) -> str:
+    """What a lesson's first code cell does beside the installation: nothing, or the picture that it opens with."""
+    return _INSTALLS.sub("", source, count=1)
+
+
 def with_beginning(notebook: nbformat.NotebookNode, name: str, address: str | None) -> nbformat.NotebookNode:
     """The lesson with its badge and its first code cell as they should be; the rest is untouched.
 
@@ -91,8 +99,11 @@ def with_beginning(notebook: nbformat.NotebookNode, name: str, address: str | No
     first.source = f"{heading}\n\n{badge(name, address)}\n{rest}"
     for cell in notebook.cells:
         if TAG in cell.metadata.get("tags", []):
-            cell.source = install_source(address)
+            own = own_source(cell.source)
+            cell.source = install_source(address) + (f"\n\n{own}" if own else "")
             cell.metadata["jupyter"] = {"source_hidden": True}  # JupyterLab folds it
+            if own:
+                cell.metadata["cellView"] = "form"  # and so does Colab, where the picture must come first as well
     return notebook
 
 

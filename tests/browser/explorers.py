@@ -17,6 +17,7 @@ from slices import needed_statements
 
 from npslam_teach.course.controls import Choice, Control, Places
 from npslam_teach.course.explorers import Explorer
+from npslam_teach.publishing.colab import own_source
 
 MEASURE = (Path(__file__).parent / "latency.js").read_text(encoding="utf-8")
 # Of a scene: every part with its attributes and its text, in order; a pressed key leaves an attribute of its own.
@@ -50,9 +51,8 @@ def lessons_with_explorers() -> list[str]:
 def sources_of(lesson: str) -> list[str]:
     """Code cells that make and show the explorers of a lesson: of its own cells, what they depend on."""
     cells = nbformat.read(ROOT / "notebooks" / lesson, as_version=4).cells
-    # The cell that gets the course where it is missing awaits, as only a notebook can.
-    installing = [cell for cell in cells if "install" in cell.metadata.get("tags", [])]
-    sources = [cell.source for cell in cells if cell.cell_type == "code" and cell not in installing]
+    # What gets the course where it is missing awaits, as only a notebook can.
+    sources = [own_source(cell.source) for cell in cells if cell.cell_type == "code"]
     with_explorers = {k for k, source in enumerate(sources) if EXPLORE.search(source)}
     return [source for source in needed_statements(sources, with_explorers) if source]
 

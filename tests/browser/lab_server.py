@@ -86,19 +86,24 @@ def running_lab(folder: Path, settings: Path) -> Iterator[Lab]:
         yield Lab(running.site, running.token, folder)
 
 
+def how_chromium_starts() -> dict:
+    """Where it is, and its arguments, or a skipped test that says what is missing."""
+    path = next(filter(None, map(shutil.which, CHROMIUM)), None)
+    if path is None:
+        pytest.skip("no Chromium found: install the package chromium")
+    # A container runs everything as root, where Chromium refuses its own sandbox.
+    rootless = [] if hasattr(os, "geteuid") and os.geteuid() != 0 else ["--no-sandbox"]
+    return {"executable_path": path, "args": [*CHROMIUM_ARGUMENTS, *rootless]}
+
+
 @contextlib.contextmanager
 def running_chromium():
     """A headless Chromium, or a skipped test that says what is missing."""
     sync_api = pytest.importorskip(
         "playwright.sync_api", reason="playwright is not installed: pip install -r tests/requirements.txt"
     )
-    path = next(filter(None, map(shutil.which, CHROMIUM)), None)
-    if path is None:
-        pytest.skip("no Chromium found: install the package chromium")
-    # A container runs everything as root, where Chromium refuses its own sandbox.
-    rootless = [] if hasattr(os, "geteuid") and os.geteuid() != 0 else ["--no-sandbox"]
     with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=[*CHROMIUM_ARGUMENTS, *rootless])
+        browser = playwright.chromium.launch(**how_chromium_starts())
         yield browser
         browser.close()
 

@@ -88,6 +88,14 @@ def test_every_picture_has_an_alternative_text(committed):
     assert min(len(alt) for alt in alts) > 20
 
 
+@pytest.mark.parametrize("committed", LESSONS[:1], indirect=True, scope="module")
+def test_the_drive_is_seen_without_scrolling_before_anything_has_run(committed):
+    _, page = committed
+    title = page.locator(".jp-Notebook .jp-Cell").first.bounding_box()
+    drive = page.locator(".jp-Notebook .jp-OutputArea img").first.bounding_box()
+    assert drive["height"] > 300 and drive["y"] + drive["height"] - title["y"] < 900
+
+
 @every_lesson
 def test_a_lesson_that_is_opened_and_saved_stays_the_same_to_the_byte(committed, lab):
     """With its kernel running, whose language JupyterLab would write into the file; else ``git pull`` would refuse."""
@@ -136,6 +144,6 @@ def test_run_all_shows_what_the_lesson_sets(lesson, lab):
     page.wait_for_timeout(1500)  # an echo that comes late would come now
     assert shown.picture()["words"] == printed
     fields = {each.name: each.readout.input_value() for each in shown.controls if not each.is_list}
-    assert fields == {"alpha": "0.50", "threshold": "0.00", "kernel_std": "0.25"}
+    assert fields == {"alpha": "0.90", "threshold": "0.30", "kernel_std": "0.3536"}
     assert shown.picture() == shown.expected()
     assert shown.root.locator("svg, img").count() == 1, "one picture, not a second one below"

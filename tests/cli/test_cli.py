@@ -11,7 +11,6 @@ from commands import ROOT, assert_one_sentence, call, run, small_log
 
 from npslam_teach import datasets, simulate
 from npslam_teach.cli import checkout, commands, parser
-from npslam_teach.system.trust import trust_committed
 
 
 def test_help_is_printed_without_numpy():
@@ -120,19 +119,29 @@ def test_solve_as_a_process_of_its_own(tmp_path):
 
 def test_lab_listens_on_the_loopback_address_and_keeps_the_token(monkeypatch):
     started = []
-    monkeypatch.setattr(checkout, "_run_module", lambda *called, before: started.append((*called, before)) or 0)
+    monkeypatch.setattr(checkout, "_run_module", lambda *called: started.append(called) or 0)
     monkeypatch.setenv("JUPYTER_CONFIG_PATH", "the user's own")
     assert parser.main(["lab", "--port", "9999", "--no-browser"]) == 0
-    ((arguments, variables, before),) = started
-    assert before is trust_committed
+    ((arguments, variables),) = started
     ours, *own = variables["JUPYTER_CONFIG_PATH"].split(os.pathsep)
     assert own == ["the user's own"] and (Path(ours) / "labconfig" / "page_config.json").is_file()
     assert "--ContentsManager.hide_globs=solutions" in arguments
-    assert arguments[0] == "jupyterlab"
+    assert arguments[0] == "npslam_teach.system.trust", "which signs the lessons and is JupyterLab"
     assert "--LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb" in arguments
     assert f"--ServerApp.root_dir={ROOT}" in arguments
     assert "--ServerApp.ip=127.0.0.1" in arguments
     assert not any("token" in argument.lower() or "password" in argument.lower() for argument in arguments)
+
+
+def test_what_jupyter_imports_is_left_to_its_own_process():
+    """It takes a second, and the process that starts Jupyter would pay it once more."""
+    code = (
+        "import sys\nfrom npslam_teach.cli import checkout, parser\n"
+        "checkout._run_python = lambda arguments: print(arguments[1], 'nbformat' in sys.modules)\n"
+        "parser.main(['lab', '--no-browser'])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert done.stdout.split() == ["npslam_teach.system.trust", "False"]
 
 
 def test_test_hands_its_arguments_to_pytest(monkeypatch):

@@ -257,3 +257,24 @@ def test_every_wrong_path_is_inside_its_map():
 
 def test_the_rings_of_the_wrong_heading_lie_where_they_are_led():
     assert_rings_lie_where_they_are_led(heading.explore_heading())
+
+
+@pytest.mark.parametrize("heading", np.deg2rad([0, 35, 90, 200]))
+def test_after_a_step_the_old_ellipse_is_carried_along_and_the_steps_own_is_added(heading):
+    std, cov = np.array([0.3, 0.1, 0.05]), np.array([[0.04, 0.01, 0.01], [0.01, 0.09, 0.0], [0.01, 0.0, 0.02]])
+    before = pose_of((1.0, 2.0), heading)
+    after = se2.compose(before, np.array([2.0, 0.5, 0.3]))
+    dx, dy = (after - before)[:2]
+    F, G = np.array([[1, 0, -dy], [0, 1, dx], [0, 0, 1]]), np.eye(3)
+    G[:2, :2] = rotation(heading)
+    carried, own = F @ cov @ F.T, G @ np.diag(std**2) @ G.T
+    _, ax = plotting.new_figure()
+    pictures.plot_one_step(ax, np.array([before, after]), np.array([cov, carried + own]), std)
+    _, *drawn = (np.asarray(line.get_xydata()) for line in ax.lines)
+    for points, middle, expected in zip(
+        drawn, (before, after, after, after), (cov, carried, own, carried + own), strict=True
+    ):
+        # All points of an ellipse are as far from its middle, in standard deviations of what it stands for.
+        off = points - middle[:2]
+        distance = np.einsum("ni,ij,nj->n", off, np.linalg.inv(expected[:2, :2]), off)
+        np.testing.assert_allclose(distance, -2 * np.log(0.05), rtol=1e-6)

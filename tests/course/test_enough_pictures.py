@@ -10,7 +10,7 @@ from pathlib import Path
 import nbformat
 import pytest
 
-LESSONS = sorted((Path(__file__).parents[2] / "notebooks").glob("[0-9]*.ipynb"))
+LESSONS = sorted((Path(__file__).parents[2] / "notebooks").glob("*.ipynb"))
 MOST = 4
 BADGE = re.compile(r"\[!\[[^\]]*\]\([^)]*\)\]\([^)]*\)")
 DRAWING_AREA = 'data-kind="sketch"'
@@ -32,9 +32,10 @@ def longest_stretch(cells) -> list[str]:
     """The ids of the longest run of cells without a picture."""
     longest, run = [], []
     for cell in cells:
-        if cell.metadata.get("tags"):
-            continue
-        run = [] if has_picture(cell) else [*run, cell.id]
+        if has_picture(cell):
+            run = []
+        elif not cell.metadata.get("tags"):
+            run = [*run, cell.id]
         longest = max(longest, run, key=len)
     return longest
 

@@ -64,12 +64,28 @@ def test_the_committed_file_is_tidy(any_path, any_notebook):
     assert any_notebook == tidied
 
 
-def test_the_first_cell_asks_and_promises(notebook):
-    first = notebook.cells[0].source
-    assert re.match(r"# .+\?\n", first), "the title asks a question"
+def opening(notebook) -> str:
+    """What is read before the first section."""
+    return "\n".join(cell.source for cell in text_cells(notebook)).split("\n## ")[0]
+
+
+def test_the_opening_asks_and_promises(notebook):
+    first = opening(notebook)
+    assert re.match(r"# .+\?\n", notebook.cells[0].source), "the title asks a question"
     assert IMAGE.search(first), "one picture"
     for promise in ("What you'll do:", "What you'll learn:", "What you need:", "Time:"):
         assert promise in first
+
+
+def test_the_course_opens_with_the_drive_itself():
+    """Nothing stands between the title and the picture that moves: no text, no code, no cell."""
+    title, drive, text = nbformat.read(NOTEBOOKS[0], as_version=4).cells[:3]
+    _, badge, links, *more = filter(None, title.source.splitlines())
+    assert badge.startswith("[![") and "→](" in links and more == []
+    assert drive.metadata["jupyter"] == {"source_hidden": True} and drive.metadata["cellView"] == "form"
+    (output,) = drive.outputs
+    assert "frozen({" in output.data["text/html"] and output.data["text/plain"].startswith("Explorer: ")
+    assert text.cell_type == "markdown"
 
 
 def test_the_last_cell_sums_up(notebook):
@@ -272,6 +288,5 @@ def test_every_lesson_on_the_authors_data(notebook, path, data_folder):
 def test_the_map_of_the_course_gives_every_lessons_own_minutes():
     table = "".join(cell.source for cell in text_cells(nbformat.read(NOTEBOOKS[0], as_version=4)))
     for path in NOTEBOOKS[1:]:
-        first = nbformat.read(path, as_version=4).cells[0].source
-        minutes = re.search(r"\*\*Time:\*\* (\d+)\sminutes", first).group(1)
+        minutes = re.search(r"\*\*Time:\*\* (\d+)\sminutes", opening(nbformat.read(path, as_version=4))).group(1)
         assert re.search(rf"\({path.name}\) \| .* \| {minutes} \|", table), path.stem

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from npslam_teach import se2
+from npslam_teach import se2, toy_objects
 from npslam_teach.course import small_pictures
 from npslam_teach.course.alternation.pictures import weights_figure
 from npslam_teach.course.class_votes.cups import unseen_figure
-from npslam_teach.course.filtering.update_pictures import promises_figure
+from npslam_teach.course.filtering.update_pictures import CLASSES, promises_figure, update_figure
 from npslam_teach.course.pose_graph import ideas
 from npslam_teach.course.start_here.pictures import plot_carried
-from npslam_teach.plotting.style import new_figure
+from npslam_teach.plotting.style import CLASS_COLORS, ESTIMATE_COLOR, new_figure
 
 LABELS = ("name", "number")
 
@@ -77,4 +77,14 @@ def test_what_is_carried_into_the_room_is_in_the_picture(heading):
 def test_a_promise_that_is_broken_has_another_sign():
     (ax,) = promises_figure({"held": (0.1, 0.1), "broken": (0.5, 0.1)}).axes
     signs = [line.get_marker() for line in ax.lines if line.get_marker() != "None"]
-    assert signs == ["o", "X"]
+    assert signs == ["o", "X"] and ax.get_title() == "1 of 2 promises are broken"
+
+
+def test_a_thing_has_the_colour_of_its_class_before_the_filter_too():
+    assert toy_objects()[1].world.class_names == CLASSES
+    names = {"robot": slice(0, 2), "chair B": slice(2, 4), "screen": slice(4, 6)}
+    state = np.arange(6.0), 0.01 * np.eye(6)
+    (ax,) = update_figure(state, state, names).axes
+    expected = [ESTIMATE_COLOR, CLASS_COLORS[0], CLASS_COLORS[1]]
+    assert [text.get_color() for text in ax.texts] == expected
+    assert [line.get_color() for line in ax.lines if line.get_linestyle() == "-"] == expected

@@ -109,8 +109,10 @@ def test_every_sighting_of_a_moment_has_its_box_and_near_things_hide_far_ones(ru
         far = np.linalg.norm(truth.world.object_xy[things] - truth.poses[now, :2], axis=1)
         ahead = se2.apply_inverse(truth.poses[now], truth.world.object_xy[things])[:, 0] if things else far
         assert (np.diff(ahead) <= 0).all()
-        for c in log.obs_class[log.obs_time == now]:
-            assert f"a {truth.world.class_names[c]}" in words
+        names = [truth.world.class_names[c] for c in log.obs_class[log.obs_time == now]]
+        for name in names:
+            alike = names.count(name)
+            assert (f"a {name}" if alike == 1 else f"{alike} {name}s") in words
         boxes += len(sighted)
     assert boxes > 10
 

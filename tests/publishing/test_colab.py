@@ -59,7 +59,9 @@ def test_lessons_begin_as_pyproject_says(path):
     assert notebook.cells[0].source.splitlines()[2] == colab.badge(path.name, address)
     (cell,) = [cell for cell in notebook.cells if colab.TAG in cell.metadata.get("tags", [])]
     assert cell is next(cell for cell in notebook.cells if cell.cell_type == "code"), "before anything is imported"
-    assert cell.source == colab.install_source(address)
+    own = colab.own_source(cell.source)
+    assert cell.source == colab.install_source(address) + (f"\n\n{own}" if own else "")
+    assert bool(own) == (path.stem == "00_start_here"), "which opens with its picture; all others install and are done"
     assert colab.with_beginning(lessons.read(path), path.name, address) == notebook
 
 
@@ -87,6 +89,20 @@ def test_nothing_else_changes(course):
         old, new = before[path.name].splitlines(), path.read_text(encoding="utf-8").splitlines()
         assert len(old) == len(new)
         assert sum(a != b for a, b in zip(old, new, strict=True)) == 2, "the badge's line and the cell's last"
+
+
+@pytest.mark.parametrize("own", ["", "import numpy\n\nnumpy.zeros(3)"])
+@pytest.mark.parametrize("address", [None, ADDRESS])
+def test_what_a_first_cell_does_beside_the_installation_stays(own, address):
+    installs = colab.install_source(address)
+    assert colab.own_source(installs + (f"\n\n{own}" if own else "")) == own == colab.own_source(own)
+
+
+def test_a_lost_installation_comes_back_before_what_the_cell_shows(course):
+    notebook = lessons.read(course / "notebooks" / "00_start_here.ipynb")
+    whole = notebook.cells[1].source
+    notebook.cells[1].source = colab.own_source(whole)
+    assert colab.with_beginning(notebook, "00_start_here.ipynb", None).cells[1].source == whole
 
 
 def test_a_lost_badge_comes_back(course):

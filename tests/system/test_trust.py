@@ -7,6 +7,7 @@ import nbformat
 import pytest
 from nbformat.sign import NotebookNotary
 
+from npslam_teach.system import trust
 from npslam_teach.system.trust import trust_committed
 
 pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
@@ -85,3 +86,11 @@ def test_without_a_clone_nothing_is_trusted(course):
 def test_without_git_nothing_is_trusted(course, monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda name: None)
     assert trust_committed(course) == []
+
+
+def test_jupyterlab_starts_when_the_lessons_are_signed(course, monkeypatch):
+    seen = []
+    lesson = course / "notebooks" / "00.ipynb"
+    monkeypatch.setattr("jupyterlab.labapp.main", lambda: seen.append(is_trusted(lesson)) or 5)
+    monkeypatch.chdir(course)
+    assert trust.main() == 5 and seen == [True]

@@ -135,7 +135,7 @@ def plot_groupings(ax: Axes, objectives, marked: dict[str, int], title: str) -> 
     ax.yaxis.set_major_locator(FixedLocator([2, 3, 4, 5, 7, 10, 20, 50, 100, 200, 500]))
     ax.yaxis.set_major_formatter(ScalarFormatter())
     ax.yaxis.set_minor_locator(NullLocator())
-    ax.legend(loc="upper left", frameon=False, fontsize=TEXT_SIZE["legend"])
+    ax.legend(loc="lower right", frameon=False, fontsize=TEXT_SIZE["legend"])
     lowest = [name for name, index in marked.items() if rank[index] == 1]
     title += f"\nlowest: {lowest[0]}" if lowest else ""
     return label_axes(ax, "rank (number)", "objective (nats, log scale)", title)

@@ -11,11 +11,14 @@ predict = questions(
         right=1,
         mistake=("To ask for each one alone. Three join a partner, and the partner, asked later, finds them at home."),
     ),
-    toy_count=choice(
-        "How many objects in the toy scene?",
-        ["three", "five", "eight"],
-        right=1,
-        mistake="To count classes. There are two chairs, a screen, a cup, and what was never there.",
+    second_round=choice(
+        "What does a second round do in the toy scene?",
+        ["it joins more", "it takes a pair apart", "nothing: everybody stays"],
+        right=2,
+        mistake=(
+            "To expect that every round finds something. It does only where the solver has moved the map far "
+            "enough: in the big room, not in this small one."
+        ),
         alts=[
             "",
             (

@@ -203,5 +203,6 @@ def plot_new_objects(ax: Axes, known: list, expected: np.ndarray) -> Axes:
         ax.step(np.arange(1, len(counts) + 1), counts, where="post", label=f"room {seed}", **style)
     ax.plot(np.arange(1, len(expected) + 1), expected, label="a restaurant expects", **TRUTH_LINE)
     legend_beside(ax)
+    ax.yaxis.set_major_locator(MaxNLocator(integer=True))
     title = "the number of objects comes to rest; the restaurant's never does"
     return label_axes(ax, "sightings (number)", "objects or tables (number)", title)

@@ -1,4 +1,7 @@
-"""Draw your own world: a world beside the same world without its defect, and how far a path is bent."""
+"""Draw your own world: a world beside the same world without its defect, and how far a path is bent.
+
+What the gallery holds, and what one number a run shows, is in ``overviews``.
+"""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -63,6 +66,25 @@ def tremor_figure(drawn: np.ndarray, smooth: np.ndarray) -> Figure:
     legend_beside(ax)
     title = f"a tremor of {100 * drawn[:, 1].std():.1f} cm becomes {100 * smooth.std():.1f} cm"
     label_axes(ax, "x (m)", "y (m), stretched", title)
+    return figure
+
+
+def headings_figure(drawn: np.ndarray, path: np.ndarray) -> Figure:
+    """Which way a line leads from point to point, and which way the robot looks that follows it.
+
+    Args:
+        drawn: (N, 2) m, by hand.
+        path: (T, 3) m, m, rad, the poses on it.
+    """
+    figure, ax = new_figure(size=(9.0, 3.6))
+    steps = np.diff(drawn, axis=0)
+    raw, looks = np.rad2deg(np.arctan2(steps[:, 1], steps[:, 0])), np.rad2deg(path[:, 2])
+    ax.plot(drawn[:-1, 0], raw, color=CLASS_COLORS[5], linewidth=1.0, label="line as drawn")
+    ax.plot(path[:, 0], looks, label="robot", **ESTIMATE_LINE | {"linewidth": 2.5})
+    legend_beside(ax)
+    turns = [np.std(np.diff(each)) for each in (raw, looks)]
+    title = f"the hand turns by {turns[0]:.0f} degrees at each point, the robot by {turns[1]:.0f}"
+    label_axes(ax, "x (m)", "heading (degrees)", title)
     return figure
 
 

@@ -23,7 +23,13 @@ predict = questions(
         ["about 1°", "about 10°", "about 80°"],
         right=2,
         mistake="To compare 2 cm with 5 m. The points are 2 cm apart.",
-        alts=["A line that trembles by centimetres, and the averaged one, nearly straight.", ""],
+        alts=[
+            "A line that trembles by centimetres, and the averaged one, nearly straight.",
+            (
+                "Headings along the line: those of the drawn line jump up and down by 80 degrees and more, that "
+                "of the robot stays within ten degrees of zero."
+            ),
+        ],
     ),
     twins=choice(
         "Sixteen are there: how many are found, and does the path suffer?",
@@ -42,6 +48,12 @@ predict = questions(
         ["0.6 m", "1 m", "1.8 m", "never"],
         right=1,
         mistake=("To compare the gap with the kernel alone. The more often a chair was seen, the further it reaches."),
+        alts=[
+            (
+                "Columns of dots for four gaps. At 0.6 m all runs are one below the dashed line of 16; at 1 m they "
+                "scatter from 15 to 22; at 1.4 and 1.8 m all but one of each lie on the line."
+            )
+        ],
     ),
     corridor=sketch(
         "The dashed path is the true one. Draw the path that is found, from its start.",

@@ -150,17 +150,26 @@ def plot_growth(ax: Axes, predicted: np.ndarray, errors: np.ndarray) -> Axes:
     )
 
 
-def plot_growing(ax: Axes, path: np.ndarray, covs: np.ndarray) -> Axes:
-    """A path with the ellipse of each pose: the position's, two standard deviations wide, and how it grows.
+def plot_one_step(ax: Axes, poses: np.ndarray, covs: np.ndarray, step_std: np.ndarray) -> Axes:
+    """The two parts of the ellipse after a step: the one before it, carried along, and the step's own.
 
     Args:
         ax: a map.
-        path: (T, 3) m, m, rad.
-        covs: (T, 3, 3) of the poses.
+        poses: (2, 3) m, m, rad, before the step and after it.
+        covs: (2, 3, 3) of these poses.
+        step_std: (3,) m, m, rad, standard deviations of the step.
     """
-    ax.plot(*path[:, :2].T, color=ESTIMATE_COLOR, linewidth=1.4, marker="o", markersize=5)
-    for t, (pose, cov) in enumerate(zip(path, covs, strict=True)):
-        if t:  # the first pose is where the map begins, and certain
-            ax.plot(*ellipse_points(pose[:2], cov[:2, :2]).T, color=ELLIPSE_COLOR, linewidth=2.0)
-        ax.annotate(f"{t}", pose[:2], (6, 6), textcoords="offset points", fontsize=TEXT_SIZE["legend"])
-    return label_map(ax, "every step adds to the ellipse")
+    axes = se2.rotate(poses[0, 2], np.diag(step_std[:2]))
+    own = axes.T @ axes
+    (before, after), end = covs[:, :2, :2], poses[1, :2]
+    parts = {
+        "before the step: P": (poses[0, :2], before, {"color": TRUTH_COLOR, "linestyle": ":"}),
+        "carried along: F P F$^T$": (end, after - own, {"color": CLASS_COLORS[0], "linestyle": "--"}),
+        "the step's own: G Q G$^T$": (end, own, {"color": CLASS_COLORS[2], "linestyle": "-."}),
+        "after it: their sum": (end, after, {"color": ELLIPSE_COLOR, "linestyle": "-"}),
+    }
+    ax.plot(*poses[:, :2].T, color=ESTIMATE_COLOR, linewidth=1.4, marker="o", markersize=5)
+    for name, (middle, cov, style) in parts.items():
+        ax.plot(*ellipse_points(middle, cov).T, linewidth=2.0, label=name, **style)
+    legend_beside(ax)
+    return label_map(ax, "the old ellipse carried along, and the step's own")

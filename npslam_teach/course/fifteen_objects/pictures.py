@@ -98,7 +98,7 @@ def split_figure(seen_at: np.ndarray, halves: dict[str, np.ndarray]) -> Figure:
         seen_at: (M, 2) m, where they lie.
         halves: by the way, (M,) 0 or 1.
     """
-    figure, axes = new_figure(1, len(halves), (8.0, 3.6), sharex=True, sharey=True)
+    figure, axes = new_figure(1, len(halves), (9.5, 4.0), sharex=True, sharey=True)
     for ax, (name, half) in zip(axes, halves.items(), strict=True):
         for k in (0, 1):
             color, marker = class_style(k)

@@ -4,8 +4,18 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from npslam_teach.course.small_pictures import bars_figure, curves_figure
-from npslam_teach.plotting.style import CLASS_COLORS, ESTIMATE_COLOR, TRUTH_COLOR, label_axes, label_map, new_figure
+from npslam_teach.plotting.style import (
+    CLASS_COLORS,
+    ESTIMATE_COLOR,
+    TRUTH_COLOR,
+    class_style,
+    label_axes,
+    label_map,
+    new_figure,
+)
 from npslam_teach.plotting.uncertainty import ellipse_points
+
+CLASSES = ("chair", "screen", "cup")  # of the toy scene, in its order
 
 
 def update_figure(before: tuple, after: tuple, names: dict[str, slice]) -> Figure:
@@ -17,18 +27,27 @@ def update_figure(before: tuple, after: tuple, names: dict[str, slice]) -> Figur
         names: by name, where its two numbers stand in the state.
     """
     figure, ax = new_figure(size=(7.5, 5.0))
-    for k, (name, place) in enumerate(names.items()):
-        for (mean, cov), style in ((before, "--"), (after, "-")):
-            color = TRUTH_COLOR if style == "--" else CLASS_COLORS[k]
+    for name, place in names.items():
+        own, marker = _look_of(name)
+        right = -np.inf
+        for (mean, cov), color, line in ((before, TRUTH_COLOR, "--"), (after, own, "-")):
             outline = ellipse_points(mean[place], cov[place, place])
-            ax.plot(*outline.T, style, color=color, linewidth=2.0)
-            ax.plot(*mean[place], "o", color=color, markersize=6)
+            ax.plot(*outline.T, line, color=color, linewidth=2.0)
+            ax.plot(*mean[place], marker, color=color, markersize=6)
+            right = max(right, outline[:, 0].max())
         arrow = {"arrowstyle": "-|>", "color": ESTIMATE_COLOR, "linewidth": 1.6}
         if np.linalg.norm(after[0][place] - before[0][place]) > 0.02:
             ax.annotate("", after[0][place], before[0][place], arrowprops=arrow)
-        ax.annotate(name, after[0][place], (10, 10), textcoords="offset points", color=CLASS_COLORS[k])
+        at = (right, after[0][place][1])
+        ax.annotate(name, at, (6, 0), textcoords="offset points", color=own, va="center")
     ax.margins(0.1)
     return label_map(ax, "one sighting of a chair moves the robot, and shrinks its ellipse").figure
+
+
+def _look_of(name: str) -> tuple[str, str]:
+    """Colour and marker: of its class, which is the first word, as on every map; or of an estimated pose."""
+    word = name.split()[0]
+    return class_style(CLASSES.index(word)) if word in CLASSES else (ESTIMATE_COLOR, "o")
 
 
 def promises_figure(cases: dict[str, tuple[float, float]]) -> Figure:
@@ -45,8 +64,9 @@ def promises_figure(cases: dict[str, tuple[float, float]]) -> Figure:
     ax.set_yticks(range(len(cases)), list(cases))
     ax.set_xlim(left=0)
     ax.invert_yaxis()
-    title = "dots: how far off; bars: two promised standard deviations"
-    return label_axes(ax, "y at pose 4, off by (m)", "told", title).figure
+    broken = sum(off > 2 * std for off, std in cases.values())
+    title = f"{broken} of {len(cases)} promises are broken"
+    return label_axes(ax, "y at pose 4, off by (m); bars: two promised standard deviations", "told", title).figure
 
 
 def prices_figure(prices: dict[str, float]) -> Figure:

@@ -28,7 +28,7 @@ def screens_figure(log: RobotLog, truth: GroundTruth, last: Snapshot, screens: l
         ax.plot(*own.T, marker, linestyle="none", color=color, markersize=5, alpha=0.7)
     at = truth.world.object_xy[screens]
     ax.scatter(*at.T, s=190, marker="s", zorder=3, **TRUTH_OBJECT | {"edgecolors": ESTIMATE_COLOR})
-    return label_map(ax, "squares: the true screens; within: their sightings, a sign for each object found").figure
+    return label_map(ax, "two squares (true screens) with one sign have become one object").figure
 
 
 def boxes_figure(rows: np.ndarray, names: list[str]) -> Figure:

@@ -1,8 +1,10 @@
 """The opening of the course: the robot drives, sightings drop along the path that it believes, and then they join."""
 
+from collections import Counter
+
 import numpy as np
 
-from npslam_teach import se2
+from npslam_teach import fifteen_objects, np_graph, se2
 from npslam_teach.course import moving_scene
 from npslam_teach.course.explorers import Explorer, player
 from npslam_teach.course.scene import Panel, Scene
@@ -15,6 +17,12 @@ STOPS = 29  # of the drive, the first pose and the last among them
 BEGIN = 12  # the stop that is shown first: on the way, with something before the camera
 EVERY = 4  # of the poses of the path is drawn
 ROBOT = np.array([(0.45, 0.0), (-0.3, 0.27), (-0.15, 0.0), (-0.3, -0.27)])  # m, larger than life
+
+
+def explore_first_drive() -> Explorer:
+    """Play the drive through the room of the lesson, which is all that its first cell does."""
+    log, truth = fifteen_objects()
+    return explore_drive(log, truth, list(np_graph(log)))
 
 
 def explore_drive(log: RobotLog, truth: GroundTruth, snapshots: list[Snapshot]) -> Explorer:
@@ -62,8 +70,9 @@ def words(log: RobotLog, truth: GroundTruth, now: int, seen: int, snapshots: lis
             f"After {rounds} rounds the method says that the {seen} sightings are of {snapshots[-1].num_objects} "
             f"objects, and it has moved the path."
         )
-    names = [truth.world.class_names[c] for c in log.obs_class[log.obs_time == now]]
-    looks = f"Its camera sees {', '.join('a ' + name for name in names) or 'nothing that it knows'}."
+    counts = Counter(truth.world.class_names[c] for c in log.obs_class[log.obs_time == now])
+    things = [f"a {name}" if number == 1 else f"{number} {name}s" for name, number in counts.items()]
+    looks = f"Its camera sees {', '.join(things) or 'nothing that it knows'}."
     return (
         f"At pose {now} of {log.num_poses - 1} the robot has made {seen} sightings, each an object of its own. {looks}"
     )

@@ -79,5 +79,4 @@ def rooms_figure(counts: list[int]) -> Figure:
 
 def cliff_figure(found: dict[str, int]) -> Figure:
     """The number of objects found, by alpha."""
-    labels = ("alpha (no unit)", "objects found (number, log scale)")
-    return bars_figure(found, labels, "at 1.0 nothing joins any more", log=True)
+    return bars_figure(found, ("alpha (no unit)", "objects found (number)"), "at 1.0 nothing joins any more")

@@ -6,7 +6,6 @@ from matplotlib.ticker import MaxNLocator
 
 from npslam_teach.course.small_pictures import bars_figure, curves_figure
 from npslam_teach.plotting.style import (
-    CLASS_COLORS,
     ESTIMATE_COLOR,
     TEXT_SIZE,
     TRUTH_LINE,
@@ -18,7 +17,7 @@ from npslam_teach.plotting.style import (
 
 
 def causes_figure(counts: dict[str, list[int]], thresholds, num_objects_true: int = 15) -> Figure:
-    """Bars of the objects that a front end finds, a group for each threshold.
+    """The objects that a front end finds, a group of points for each threshold.
 
     Args:
         counts: by what is exact, the number of objects for each threshold.
@@ -26,15 +25,17 @@ def causes_figure(counts: dict[str, list[int]], thresholds, num_objects_true: in
         num_objects_true: dashed.
     """
     figure, ax = new_figure(size=(10.0, 4.4))
-    width, at = 0.8 / len(counts), np.arange(len(thresholds))
+    at = np.arange(len(thresholds))
     for k, (name, heights) in enumerate(counts.items()):
-        x = at + (k - (len(counts) - 1) / 2) * width
-        ax.bar(x, heights, width, color=CLASS_COLORS[k], edgecolor=ESTIMATE_COLOR, linewidth=0.6, label=name)
+        x = at + 0.2 * (k - (len(counts) - 1) / 2)
+        color, marker = class_style(k)
+        # Points and no bars: on a logarithmic axis the length of a bar says nothing.
+        ax.plot(x, heights, marker, color=color, markersize=10, markeredgecolor=ESTIMATE_COLOR, label=name)
         for left, height in zip(x, heights, strict=True):
-            ax.annotate(f"{height}", (left, height), (0, 3), textcoords="offset points", ha="center")
+            ax.annotate(f"{height}", (left, height), (0, 8), textcoords="offset points", ha="center")
     ax.axhline(num_objects_true, label=f"true number: {num_objects_true}", **TRUTH_LINE)
     ax.set_yscale("log")
-    ax.set(ylim=(8, 400), xticks=at)
+    ax.set(ylim=(10, 400), xticks=at)
     ax.set_xticklabels([f"{threshold:g}" for threshold in thresholds])
     ax.grid(False, axis="x")
     legend_beside(ax)

@@ -12,7 +12,7 @@ import nbformat
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-# The first draws pages and nothing else: it takes a sixth less of the processor than a browser that has a window to hide.
+# The first only draws pages: it takes a sixth less of the processor than a browser that has a window to hide.
 CHROMIUM = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 CHROMIUM_ARGUMENTS = (
     "--disable-gpu --disable-dev-shm-usage --disable-quic --no-first-run --disable-background-networking "

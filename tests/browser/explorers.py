@@ -201,13 +201,21 @@ class Shown:
         words = "root.querySelector('figcaption').textContent"
         self.wait(f"{words} === known", self.expected()["words"], "the words do not follow")
 
-    def walk(self, control: Control, most: int) -> list[dict]:
-        """Press arrow keys towards the farther end, at most so often, and back to where it stood."""
+    def walk(self, control: Control, least: int, most: int) -> list[dict]:
+        """Press arrow keys towards the farther end and back to where it stood; what is shown after each of them.
+
+        Args:
+            control: that has the focus.
+            least: so often, or to the end.
+            most: further, until there is another picture, but no more than so often.
+        """
         last = len(control.values()) - 1 - control.index()
-        forward = last >= control.index()
-        presses = min(max(last, control.index()), most)
-        there = [self.press_and_compare(control, forward) for _ in range(presses)]
-        return there + [self.press_and_compare(control, not forward) for _ in range(presses)]
+        before, forward, there = self.picture(), last >= control.index(), []
+        for k in range(min(max(last, control.index()), most)):
+            if k >= least and len(pictures([before, *there])) >= 2:
+                break
+            there.append(self.press_and_compare(control, forward))
+        return there + [self.press_and_compare(control, not forward) for _ in there]
 
     def names_in_the_accessibility_tree(self) -> list[tuple[str, str]]:
         """(role, name) of all in this explorer that a screen reader can come to."""
@@ -228,6 +236,11 @@ class Shown:
     def latencies(self) -> list[float]:
         """Milliseconds from each key press to changed pixels since the last call."""
         return self.root.evaluate("root => root.latencies.splice(0)")
+
+
+def pictures(shown: list[dict]) -> set[str]:
+    """The different ones among those that ``Shown.picture`` returns."""
+    return {str(each["source"]) for each in shown}
 
 
 def attributes_of(locator) -> dict:

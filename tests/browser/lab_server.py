@@ -119,17 +119,20 @@ def open_notebook(page, lab: Lab, name: str, workspace: str = "test", runs: bool
     if runs:
         wait_until_idle(page)
     else:
-        cells = len(nbformat.read(lab.folder / "notebooks" / name, as_version=4).cells)
-        page.wait_for_function(ALL_SHOWN, arg=cells)
+        wait_until_shown(page, lab, name)
     page.keyboard.press("Control+b")  # the list of files takes half of a narrow window
 
 
-def open_instead(page, lab: Lab, name: str) -> None:
-    """Open a notebook in a page in the place of another one, and wait until all of it is shown.
+def open_instead(page, name: str) -> None:
+    """Open a notebook in a page in the place of another one.
 
     A page that is loaded anew compiles JupyterLab anew, which takes longer than all the rest.
     """
     page.evaluate(OPEN, f"notebooks/{name}")
+
+
+def wait_until_shown(page, lab: Lab, name: str) -> None:
+    """Wait until all of a notebook as it was saved is in the page."""
     cells = len(nbformat.read(lab.folder / "notebooks" / name, as_version=4).cells)
     page.wait_for_function(ALL_SHOWN, arg=cells)
 

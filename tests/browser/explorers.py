@@ -29,6 +29,11 @@ PICTURE = """root => {
     const parts = [...root.querySelectorAll("figure svg > *")].map(part);
     return { source: image?.src ?? parts, alt: image?.alt ?? words, words };
 }"""
+# Of controls by their names: which entry of a list is selected, and the number in the field of a slider.
+FIELDS = """(root, names) => names.map((name) => {
+    const control = root.querySelector(`[data-control=${name}]`);
+    return [control.selectedIndex ?? null, control.parentElement.querySelector("input[type=text]")?.value ?? null];
+})"""
 EXPLORE = re.compile(r"\bexplore_\w+\(")
 EXPLORER = ".npslam-explorer"
 ANSWER_SECONDS = 120
@@ -121,12 +126,11 @@ class ShownControl:
         """Which of them the page shows."""
         return int(self.locator.evaluate("each => each.selectedIndex ?? each.value"))
 
-    def value(self):
-        """What the page shows: of a slider the number in its field, which has four digits."""
+    def value(self, place: int, number: str | None):
+        """What the page shows: of a list the entry at a place, of a slider the number in its field."""
         if self.is_list:
-            return self.values()[self.index()]
-        number = float(self.readout.input_value())
-        return min([*self.values(), self.start], key=lambda each: abs(each - number))
+            return self.values()[place]
+        return min([*self.values(), self.start], key=lambda each: abs(each - float(number)))
 
     def key(self, forward: bool) -> str:
         return {True: ("ArrowRight", "ArrowDown"), False: ("ArrowLeft", "ArrowUp")}[forward][self.is_list]
@@ -149,8 +153,9 @@ class Shown:
         root.evaluate(MEASURE)
 
     def values(self) -> dict:
-        """What the page's controls are set to."""
-        return {control.name: control.value() for control in self.controls}
+        """What the page's controls are set to, which a single question to the page tells."""
+        shown = self.root.evaluate(FIELDS, [control.name for control in self.controls])
+        return {control.name: control.value(*each) for control, each in zip(self.controls, shown, strict=True)}
 
     def picture(self) -> dict:
         """The picture, its alternative text and the words under it."""

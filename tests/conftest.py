@@ -30,6 +30,13 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 os.environ["TQDM_DISABLE"] = "1"
 
 
+@pytest.hookimpl(trylast=True)  # when every test has its marks
+def pytest_collection_modifyitems(items):
+    """Files with something slow begin first: at the end no worker has a long file left while others have none."""
+    long = {item.path for item in items if item.get_closest_marker("slow") or item.path.suffix == ".ipynb"}
+    items.sort(key=lambda item: item.path not in long)
+
+
 @pytest.fixture(scope="session")
 def cases_folder() -> Path:
     """Small files on which the package once failed; the tests say what is right."""

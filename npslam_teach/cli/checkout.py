@@ -51,7 +51,7 @@ def test(options) -> int:
     else:
         sanitize = f"--nbval-sanitize-with={ROOT / 'tests' / 'nbval_sanitize.cfg'}"
         how = ["--nbval", "--nbval-current-env", "--nbval-cell-timeout=120", sanitize]
-        what = ["tests/browser", "tests/course", "notebooks", "tests"]  # what takes long begins first
+        what = ["notebooks", "tests"]
     if any((ROOT / word.split("::")[0]).exists() for word in options.extra):
         what = []  # the further arguments say it
     # One more than there are processors: much of the time a test waits for a browser or a kernel.

@@ -30,6 +30,11 @@ PICTURE = """root => {
     const parts = [...root.querySelectorAll("figure svg > *")].map(part);
     return { source: image?.src ?? parts, alt: image?.alt ?? words, words };
 }"""
+# Of controls by their names: which entry of a list is selected, and the number in the field of a slider.
+FIELDS = """(root, names) => names.map((name) => {
+    const control = root.querySelector(`[data-control=${name}]`);
+    return [control.selectedIndex ?? null, control.parentElement.querySelector("input[type=text]")?.value ?? null];
+})"""
 EXPLORE = re.compile(r"\bexplore_\w+\(")
 EXPLORER = ".npslam-explorer"
 ANSWER_SECONDS = 120
@@ -121,12 +126,11 @@ class ShownControl:
         """Which of them the page shows."""
         return int(self.locator.evaluate("each => each.selectedIndex ?? each.value"))
 
-    def value(self):
-        """What the page shows: of a slider the number in its field, which has four digits."""
+    def value(self, place: int, number: str | None):
+        """What the page shows: of a list the entry at a place, of a slider the number in its field."""
         if self.is_list:
-            return self.values()[self.index()]
-        number = float(self.readout.input_value())
-        return min([*self.values(), self.start], key=lambda each: abs(each - number))
+            return self.values()[place]
+        return min([*self.values(), self.start], key=lambda each: abs(each - float(number)))
 
     def key(self, forward: bool) -> str:
         return {True: ("ArrowRight", "ArrowDown"), False: ("ArrowLeft", "ArrowUp")}[forward][self.is_list]
@@ -149,8 +153,9 @@ class Shown:
         root.evaluate(MEASURE)
 
     def values(self) -> dict:
-        """What the page's controls are set to."""
-        return {control.name: control.value() for control in self.controls}
+        """What the page's controls are set to, which a single question to the page tells."""
+        shown = self.root.evaluate(FIELDS, [control.name for control in self.controls])
+        return {control.name: control.value(*each) for control, each in zip(self.controls, shown, strict=True)}
 
     def picture(self) -> dict:
         """The picture, its alternative text and the words under it."""
@@ -201,13 +206,21 @@ class Shown:
         words = "root.querySelector('figcaption').textContent"
         self.wait(f"{words} === known", self.expected()["words"], "the words do not follow")
 
-    def walk(self, control: Control, most: int) -> list[dict]:
-        """Press arrow keys towards the farther end, at most so often, and back to where it stood."""
+    def walk(self, control: Control, least: int, most: int) -> list[dict]:
+        """Press arrow keys towards the farther end and back to where it stood; what is shown after each of them.
+
+        Args:
+            control: that has the focus.
+            least: so often, or to the end.
+            most: further, until there is another picture, but no more than so often.
+        """
         last = len(control.values()) - 1 - control.index()
-        forward = last >= control.index()
-        presses = min(max(last, control.index()), most)
-        there = [self.press_and_compare(control, forward) for _ in range(presses)]
-        return there + [self.press_and_compare(control, not forward) for _ in range(presses)]
+        before, forward, there = self.picture(), last >= control.index(), []
+        for k in range(min(max(last, control.index()), most)):
+            if k >= least and len(pictures([before, *there])) >= 2:
+                break
+            there.append(self.press_and_compare(control, forward))
+        return there + [self.press_and_compare(control, not forward) for _ in there]
 
     def names_in_the_accessibility_tree(self) -> list[tuple[str, str]]:
         """(role, name) of all in this explorer that a screen reader can come to."""
@@ -228,6 +241,11 @@ class Shown:
     def latencies(self) -> list[float]:
         """Milliseconds from each key press to changed pixels since the last call."""
         return self.root.evaluate("root => root.latencies.splice(0)")
+
+
+def pictures(shown: list[dict]) -> set[str]:
+    """The different ones among those that ``Shown.picture`` returns."""
+    return {str(each["source"]) for each in shown}
 
 
 def attributes_of(locator) -> dict:

@@ -63,7 +63,7 @@ def measure(page, lab, presses: int) -> list[Row]:
             for control in explorer.controls:
                 times = []
                 while len(times) < presses:  # a list of two has a single step each way
-                    explorer.walk(control, presses)
+                    explorer.walk(control, presses, presses)
                     times += explorer.latencies()
                 rows.append(Row(lesson, control.twin.description, tuple(times), held(explorer, control)))
     return rows

@@ -14,7 +14,7 @@ from npslam_teach.course.controls import Places
 from npslam_teach.pose_graph import factorization
 
 # A few steps show that nothing stays. Only where something has grown, which may be a store that fills, more decide.
-WARM_UP, ROUNDS = 20, (12, 60, 200)
+WARM_UP, PRESSED_WARM_UP, ROUNDS = 20, 10, (12, 60, 200)
 TRACED_WARM_UP = 4  # after so many the present picture is one that was made while memory was traced
 # qdldl frees arrays behind tracemalloc's back, which goes on listing some of them; a process that updates a factor a
 # hundred thousand times does not grow by a kilobyte.
@@ -96,7 +96,7 @@ def press(explorer: Shown, slider: ShownControl, times: int) -> None:
 def growth_in_a_page(explorer: Shown, kernel: psutil.Process) -> dict[str, float]:
     """By what a page and its kernel grow with a step of the first slider, which begins to warm up."""
     slider = next(control for control in explorer.controls if not control.is_list)
-    press(explorer, slider, WARM_UP)
+    press(explorer, slider, PRESSED_WARM_UP)
     for steps in ROUNDS:
         before = Footprint(explorer.page, kernel)
         press(explorer, slider, steps)

@@ -10,7 +10,16 @@ import shutil
 
 import pytest
 from explorers import EXPLORER, Shown, explorers_of, lessons_with_explorers
-from lab_server import ROOT, new_context, open_instead, open_notebook, run_all_cells, saved, wait_until_idle
+from lab_server import (
+    ROOT,
+    new_context,
+    open_instead,
+    open_notebook,
+    run_all_cells,
+    saved,
+    wait_until_idle,
+    wait_until_shown,
+)
 from window import LAPTOP, NARROW, PROJECTOR, Window
 
 LESSONS = sorted(path.name for path in (ROOT / "notebooks").glob("[0-9]*.ipynb"))
@@ -21,20 +30,13 @@ SHOTS = ROOT / "build" / "screenshots"
 
 
 @pytest.fixture(scope="module")
-def window(chromium):
-    """What all lessons are opened in, so that JupyterLab itself is fetched and compiled once."""
-    context = new_context(chromium, viewport={"width": LAPTOP, "height": 1000}, reduced_motion="reduce")
-    yield context
-    context.close()
-
-
-@pytest.fixture(scope="module")
-def reader(window, lab):
+def reader(chromium, lab):
     """A page that shows a lesson, and then other lessons in its place."""
-    page = window.new_page()
+    context = new_context(chromium, viewport={"width": LAPTOP, "height": 1000}, reduced_motion="reduce")
+    page = context.new_page()
     open_notebook(page, lab, LESSONS[0])
     yield page
-    page.close()
+    context.close()
 
 
 @pytest.fixture(scope="module")
@@ -42,18 +44,18 @@ def committed(request, reader, lab):
     """(name, page): a lesson that was opened and not run; what is shown is what is committed."""
     name = f"committed_{request.param}"
     shutil.copy(ROOT / "notebooks" / request.param, lab.folder / "notebooks" / name)
-    open_instead(reader, lab, name)
+    open_instead(reader, name)
+    wait_until_shown(reader, lab, name)
     return name, reader
 
 
 @pytest.fixture(scope="module")
-def lesson(request, window, lab):
+def lesson(request, reader):
     """(name, page): a lesson that was opened without its outputs and has run."""
-    page = window.new_page()
-    open_notebook(page, lab, request.param)
-    run_all_cells(page)
-    yield request.param, page
-    page.close()
+    open_instead(reader, request.param)
+    wait_until_idle(reader)
+    run_all_cells(reader)
+    return request.param, reader
 
 
 every_lesson = pytest.mark.parametrize("committed", LESSONS, indirect=True, scope="module")

@@ -10,6 +10,7 @@ from pathlib import Path
 import nbformat
 import pytest
 from execute_notebooks import execute, tidy
+from slices import needed_statements
 
 ROOT = Path(__file__).parents[2]
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
@@ -268,7 +269,10 @@ ON_THE_AUTHORS_DATA = {
 
 @pytest.mark.slow
 def test_every_lesson_on_the_authors_data(notebook, path, data_folder):
-    """Run with the file in place of None, as a reader does who has fetched it."""
+    """Run with the file in place of None, as a reader does who has fetched it.
+
+    All cells from there on run; of the cells before, which nbval runs, only what these depend on.
+    """
     tagged = [cell for cell in code_cells(notebook) if "authors-file" in cell.metadata.get("tags", [])]
     assert bool(tagged) == (path.stem in ON_THE_AUTHORS_DATA)
     if not tagged:
@@ -277,6 +281,11 @@ def test_every_lesson_on_the_authors_data(notebook, path, data_folder):
     for cell in tagged:
         assert "authors_file = None" in cell.source
         cell.source = cell.source.replace("authors_file = None", f"authors_file = {str(data_folder / file)!r}")
+    cells = code_cells(notebook)
+    sources = [cell.source if "install" not in cell.metadata.get("tags", []) else "" for cell in cells]
+    from_there = set(range(cells.index(tagged[0]), len(cells)))
+    for cell, needed in zip(cells, needed_statements(sources, from_there), strict=True):
+        cell.source = needed
     done = execute(notebook, path.parent)
     data_cells = [cell for cell in code_cells(done) if "authors-data" in cell.metadata.get("tags", [])]
     assert all(cell.outputs for cell in data_cells), "every tagged cell shows something"

@@ -47,7 +47,7 @@ def test_given_standard_deviations_are_for_all():
 def test_bad_observations_that_say_so_do_no_harm(method):
     """A third of the observations is six times as noisy; the log says which."""
     rng, right = np.random.default_rng(0), []
-    for seed in range(5):
+    for seed in range(3):
         log, truth = simulate.fifteen_objects(seed, noise=1.0)
         bad = rng.random(log.num_observations) < 1 / 3
         spoilt = log.obs_xy + bad[:, None] * rng.normal(size=log.obs_xy.shape) * np.sqrt(35) * log.observation_std
@@ -55,7 +55,7 @@ def test_bad_observations_that_say_so_do_no_harm(method):
         *_, last = METHODS[method](replace(log, obs_xy=spoilt, observation_cov=cov))
         used = last.labels >= 0
         right.append((last.num_objects, compare_partitions(truth.obs_object[used], last.labels[used])[0]))
-    assert sum(ari > 0.97 for _, ari in right) >= 4, right
+    assert all(ari > 0.97 for _, ari in right), right
 
 
 def test_errors_along_and_across_the_ray():

@@ -50,14 +50,12 @@ def test_fifteen_objects_are_found_where_the_papers_rule_finds_fifty(noise):
 
 
 @pytest.mark.slow
-def test_of_ten_runs_at_three_times_the_noise_nine_are_right(mu2016_path):
+def test_at_three_times_the_noise_each_of_five_runs_is_right(mu2016_path):
     log, truth = datasets.load_log(mu2016_path)
-    right = 0
-    for seed in range(10):
+    for seed in range(5):
         noisy = simulate.add_noise(log, 3.0, np.random.default_rng(seed))
         metrics = evaluation.evaluate(last_of(noisy), truth, noisy)
-        right += metrics.num_objects == 15 and metrics.ari >= 0.99
-    assert right >= 9
+        assert metrics.num_objects == 15 and metrics.ari >= 0.99
 
 
 @pytest.mark.slow
@@ -106,9 +104,15 @@ def test_a_chair_that_is_called_cup_is_no_new_object(share):
     last = last_of(log)
     metrics = evaluation.evaluate(last, truth, log)
     assert metrics.num_objects == 15 and metrics.ari >= 0.99
+
+
+@pytest.mark.slow
+def test_the_order_of_lines_with_probabilities_does_not_matter():
+    log, _ = confused_classes.room(0, 0.1)
+    last = last_of(log, starts=1)
     order = np.random.default_rng(0).permutation(log.num_observations)
     fields = {name: getattr(log, name)[order] for name in ("obs_time", "obs_xy", "obs_class", "class_probabilities")}
-    assert same_partition(last.labels[order], last_of(replace(log, **fields)).labels)
+    assert same_partition(last.labels[order], last_of(replace(log, **fields), starts=1).labels)
 
 
 @pytest.mark.slow
@@ -136,7 +140,7 @@ def test_the_unit_of_length_does_not_matter(scale):
 @pytest.mark.slow
 def test_the_same_seed_gives_the_same_answer():
     log, _ = simulate.fifteen_objects(5, 3.0)
-    np.testing.assert_array_equal(last_of(log, seed=4).labels, last_of(log, seed=4).labels)
+    np.testing.assert_array_equal(*(last_of(log, seed=4, starts=2).labels for _ in range(2)))
 
 
 def small_room(seed: int):

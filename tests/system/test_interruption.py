@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import xml.etree.ElementTree
@@ -38,6 +39,26 @@ interruption.end_at_once()
 os.write(1, b"ready\\n")
 sys.exit(run())
 """
+# The same as often as somebody asks, in children of a process that has run it once and so imported all that it needs:
+# every moment is one of the command's own work, and takes no second start of Python.
+CHILDREN = """
+import os, sys
+from npslam_teach.system import interpreter, interruption
+from npslam_teach.__main__ import run
+interpreter.enter_environment = lambda arguments: None
+{before}
+told = os.dup(1)
+os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+os.write(told, b"%d\\n" % run())
+for _ in sys.stdin:
+    child = os.fork()
+    if not child:
+        interruption.end_at_once()
+        os.write(told, b"%d\\n" % os.getpid())
+        sys.exit(run())
+    _, status = os.waitpid(child, 0)
+    os.write(told, b"%d\\n" % os.waitstatus_to_exitcode(status))
+"""
 OLD = '{"old": true}'
 
 
@@ -61,6 +82,49 @@ def interrupted(arguments, wait, folder, before="", signal_number=signal.SIGINT)
         process.send_signal(signal_number)
         _, err = process.communicate(timeout=120)
     return process.returncode, err.decode()
+
+
+class Children:
+    """Runs of a command, each in a child of one process; used with ``with``."""
+
+    def __init__(self, arguments, folder, before=""):
+        self.errors = tempfile.TemporaryFile()
+        command = [sys.executable, "-c", CHILDREN.format(before=before), *map(str, arguments)]
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": self.errors}
+        self.parent = subprocess.Popen(command, cwd=folder, **pipes)
+        assert self.told() == 0
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        self.parent.kill()
+        self.parent.communicate()
+        self.errors.close()
+
+    def told(self):
+        return int(self.parent.stdout.readline())
+
+    def run(self, seconds=None):
+        """Exit code and standard error of a child; one that has so many seconds gets Ctrl-C after them."""
+        begin = self.errors.seek(0, os.SEEK_END)
+        self.parent.stdin.write(b"\n")
+        self.parent.stdin.flush()
+        child = self.told()
+        if seconds is not None:
+            time.sleep(seconds)
+            with contextlib.suppress(ProcessLookupError):  # it has ended already
+                os.kill(child, signal.SIGINT)
+        code = self.told()
+        self.errors.seek(begin)
+        return code, self.errors.read().decode()
+
+    def moments(self, count):
+        """As the function of this name, for a child."""
+        begin = time.perf_counter()
+        code, err = self.run()
+        assert code == 0, err
+        return spread(time.perf_counter() - begin, count)
 
 
 def assert_answered(code, err):
@@ -98,7 +162,10 @@ def moments(arguments, folder, count, before=""):
     with started(COMMAND.format(before=before), arguments, folder) as process:
         _, err = process.communicate(timeout=120)
     assert process.returncode == 0, err
-    whole = time.perf_counter() - begin
+    return spread(time.perf_counter() - begin, count)
+
+
+def spread(whole, count):
     return [whole * (k + 0.5) / count for k in range(count)]
 
 
@@ -117,20 +184,32 @@ def inputs(tmp_path_factory):
     ("arguments", "name", "count"),
     [
         (["solve", "run.npz", "--out"], "result.json", 12),
-        (["solve", "run.npz", "--method", "open-loop", "--out"], "result.g2o", 6),
         (["optimize", "graph.g2o", "--out"], "solved.g2o", 12),
     ],
 )
 def test_ctrl_c_while_a_result_is_made(inputs, tmp_path, arguments, name, count):
     arguments = [inputs / entry if (inputs / entry).exists() else entry for entry in arguments] + [tmp_path / name]
+    with Children(arguments, inputs) as children:
+        check_result(tmp_path / name, children.moments(count), children.run)
+
+
+def test_ctrl_c_from_the_start_of_a_process_to_its_result(inputs, tmp_path):
+    """Most of it are imports."""
+    arguments = ["solve", inputs / "run.npz", "--method", "open-loop", "--out", tmp_path / "result.g2o"]
+    waits = moments(arguments, inputs, 6)
+    check_result(tmp_path / "result.g2o", waits, lambda wait: interrupted(arguments, wait, inputs))
+
+
+def check_result(path, waits, run):
+    """Ctrl-C after each of the times leaves the old file or the new one, alone in its folder."""
     codes = []
-    for wait in moments(arguments, inputs, count):
-        (tmp_path / name).write_text(OLD)
-        code, err = interrupted(arguments, wait, inputs)
+    for wait in waits:
+        path.write_text(OLD)
+        code, err = run(wait)
         assert_answered(code, err)
-        assert [path.name for path in tmp_path.iterdir()] == [name]
-        if code == 0 or (tmp_path / name).read_text() != OLD:
-            assert_whole(tmp_path / name)
+        assert list(path.parent.iterdir()) == [path]
+        if code == 0 or path.read_text() != OLD:
+            assert_whole(path)
         codes.append(code)
     assert interruption.EXIT_CODE in codes
 
@@ -138,32 +217,43 @@ def test_ctrl_c_while_a_result_is_made(inputs, tmp_path, arguments, name, count)
 def test_ctrl_c_while_the_paper_is_reproduced(inputs, tmp_path):
     arguments = ["reproduce", "--data", inputs / "run.npz", "--methods", "open-loop", "--figures", tmp_path / "figures"]
     codes = []
-    for wait in moments(arguments, tmp_path, 6):
-        code, err = interrupted(arguments, wait, tmp_path)
-        assert_answered(code, err)
-        for path in tmp_path.rglob("*"):
-            assert path.is_dir() or assert_whole(path) is None
-        codes.append(code)
+    with Children(arguments, tmp_path) as children:
+        for wait in children.moments(4):
+            code, err = children.run(wait)
+            assert_answered(code, err)
+            for path in tmp_path.rglob("*"):
+                assert path.is_dir() or assert_whole(path) is None
+            codes.append(code)
     assert interruption.EXIT_CODE in codes
+
+
+# A command that waits before it gives the file after so many others its name.
+WAITING = """
+import time
+replace, complete = os.replace, []
+def wait(*names):
+    if len(complete) == {files}:
+        os.write(1, b"waiting\\n")
+        time.sleep(120)
+    complete.append(names)
+    replace(*names)
+os.replace = wait
+"""
 
 
 @pytest.mark.parametrize("files_before", [0, 1, 2, 4])
 def test_ctrl_c_while_figures_are_drawn(tmp_path, files_before):
-    """The signal comes the moment a temporary file appears after so many complete ones."""
+    """The signal comes when a temporary file has been written after so many complete ones."""
     folder = tmp_path / "figures"
 
-    def writing(process):
-        complete = []
-        while process.poll() is None:
-            names = os.listdir(folder) if folder.exists() else []
-            complete = [name for name in names if not name.startswith(".tmp-")]
-            if len(complete) >= files_before and len(names) > len(complete):
-                return
+    def waiting(process):
+        assert b"waiting\n" in iter(process.stdout.readline, b"")
+        assert [path.name for path in folder.iterdir() if path.name.startswith(".tmp-")]
 
-    code, err = interrupted(["figures", "--out", folder], writing, tmp_path)
+    code, err = interrupted(["figures", "--out", folder], waiting, tmp_path, WAITING.format(files=files_before))
     assert_answered(code, err)
     assert code == interruption.EXIT_CODE
-    assert len(list(folder.iterdir())) >= files_before
+    assert len(list(folder.iterdir())) == files_before
     for path in folder.iterdir():
         assert_whole(path)
 
@@ -214,14 +304,17 @@ def test_ctrl_c_while_a_file_is_fetched(tmp_path, server, monkeypatch):
         f"pooch.os_cache = lambda project: {str(cache)!r}\n"
     )
     codes = []
-    for wait in moments(["fetch", "simulation"], tmp_path, 12, before):
-        (cache / "mu2016_simulation.mat").unlink(missing_ok=True)
-        code, err = interrupted(["fetch", "simulation"], wait, tmp_path, before)
-        assert_answered(code, err)
-        found = {path.name: path.read_bytes() for path in cache.iterdir()}
-        assert found in ({}, {"mu2016_simulation.mat": CONTENTS})
-        assert code != 0 or found
-        codes.append(code)
+    file = cache / "mu2016_simulation.mat"
+    with Children(["fetch", "simulation"], tmp_path, before) as children:
+        file.unlink()
+        for wait in children.moments(12):
+            file.unlink(missing_ok=True)
+            code, err = children.run(wait)
+            assert_answered(code, err)
+            found = {path.name: path.read_bytes() for path in cache.iterdir()}
+            assert found in ({}, {file.name: CONTENTS})
+            assert code != 0 or found
+            codes.append(code)
     assert interruption.EXIT_CODE in codes
 
 

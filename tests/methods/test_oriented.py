@@ -305,3 +305,26 @@ def test_samples_know_of_headings():
 def test_noise_that_is_added_leaves_headings_alone(sharp):
     noisy = simulate.add_noise(sharp[0], 1.0, np.random.default_rng(0))
     np.testing.assert_array_equal(noisy.obs_theta, sharp[0].obs_theta)
+
+
+@pytest.mark.parametrize("symmetry", [1, 2, 4])
+def test_headings_within_a_tracklet_count_like_independent_ones(symmetry):
+    """Small errors of one heading, whatever part of a turn each is off by what looks alike: the exact integral."""
+    rng = np.random.default_rng(symmetry)
+    tracklet = np.repeat([0, 1, 2, -1], [5, 1, 4, 2])
+    theta = np.array([0.3, -2.0, 3.1, 0.0])[tracklet] + rng.normal(0, 0.02, len(tracklet))
+    theta = se2.wrap(theta + 2 * np.pi / symmetry * rng.integers(0, symmetry, len(tracklet)))
+    chain = ChainHeadings(theta, np.full(len(tracklet), symmetry), np.arange(12), 0.02**2, np.zeros(11))
+    own = (np.flatnonzero(tracklet == k) for k in range(3))
+    expected = sum(log_heading_evidence(theta[each], 0.02**2 * np.eye(len(each)), symmetry) for each in own)
+    assert chain.agreement_within(tracklet) == pytest.approx(expected, abs=1e-2)
+
+
+def test_a_turned_observation_is_far_from_its_object_and_a_round_one_from_none():
+    theta = np.array([0.0, 0.1, 3.0, 3.1, 1.0])
+    chain = ChainHeadings(theta, np.array([1, 1, 1, 1, 0]), np.arange(5), 0.1**2, np.zeros(4))
+    squared = chain.squared_turns(np.array([0, 0, 1, 1, 1]), np.zeros(5))
+    np.testing.assert_allclose(squared[:, 0], [0.25, 0.25, 29.5**2, 30.5**2, 0.0], atol=1e-6)
+    np.testing.assert_allclose(squared[4], 0.0)
+    turned = chain.squared_turns(np.array([0, 0, 1, 1, 1]), np.full(5, 0.7))
+    np.testing.assert_allclose(turned, squared, atol=1e-6)

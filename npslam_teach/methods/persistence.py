@@ -55,10 +55,9 @@ def num_comings(labels: np.ndarray, look: np.ndarray) -> int:
         labels: (M,) the object of each observation, -1 = of none.
         look: (M,) the frame of each.
     """
-    count = labels.max(initial=-1) + 1
-    seen = np.zeros((look.max(initial=-1) + 2, count + 1), dtype=bool)
-    seen[look + 1, labels] = True
-    return int(np.count_nonzero(seen[1:, :count] & ~seen[:-1, :count]))
+    used, count = labels >= 0, labels.max(initial=-1) + 1
+    seen = np.unique(look[used] * count + labels[used])
+    return int(np.count_nonzero(~np.isin(seen - count, seen, assume_unique=True)))
 
 
 def passes_of(labels: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

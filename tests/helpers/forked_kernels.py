@@ -4,6 +4,7 @@ These imports take as long as many a lesson. A kernel with an environment of its
 as ever, and so does every one where processes cannot be copied.
 """
 
+import atexit
 import contextlib
 import gc
 import importlib
@@ -55,6 +56,12 @@ class _Original:
         how = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "start_new_session": True}
         code = f"import runpy; runpy.run_path({str(Path(__file__))!r}, run_name='__main__')"
         self._process = subprocess.Popen([sys.executable, "-c", code], env=env, **how)
+        atexit.register(self._stop)
+
+    def _stop(self) -> None:
+        self._process.stdin.close()
+        self._process.wait()
+        self._process.stdout.close()
 
 
 def _shared(env: dict) -> dict:
@@ -100,6 +107,7 @@ def serve() -> None:
     for name in IMPORTED:
         importlib.import_module(name)
     gc.freeze()  # what is imported stays
+    gc.set_threshold(50_000)  # as that of the tests themselves
     signal.signal(signal.SIGCHLD, lambda *_: _bury())
     for line in sys.stdin:
         if os.fork() == 0:

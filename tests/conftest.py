@@ -1,13 +1,11 @@
 """Fixtures that several test files share."""
 
-import gc
 import os
 from pathlib import Path
 
 import nbformat
 import numpy as np
 import pytest
-from forked_kernels import fork_kernels
 from kernel_ports import use_own_ports
 
 from npslam_teach.cli import parser
@@ -25,21 +23,11 @@ ORIGINALS = (
 _ROOT = str(Path(__file__).parent.parent)
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [_ROOT, os.environ.get("PYTHONPATH")]))
 use_own_ports()
-fork_kernels()
 os.environ["NPSLAM_TEACH_FRAMES"] = "1"  # as in notebooks/conftest.py
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(_name, "1")  # of kernels and command lines: several run at once
 # On a busy machine even a small run may take the two seconds after which a bar appears among the words under test.
 os.environ["TQDM_DISABLE"] = "1"
-
-# Thousands of tests are half a million objects, looked through again and again while they grow.
-gc.set_threshold(50_000)
-
-
-def pytest_collection_finish():
-    """What is there now stays to the end: whoever looks for garbage need not look through it."""
-    gc.collect()
-    gc.freeze()
 
 
 @pytest.hookimpl(trylast=True)  # when every test has its marks

@@ -29,13 +29,6 @@ OPEN = """async (path) => {
     for (const each of [...jupyterapp.shell.widgets("main")]) each.dispose();
     await (await jupyterapp.commands.execute("docmanager:open", { path, factory: "Notebook" })).context.ready;
 }"""
-# Pages may open one notebook after the other, and kernels start as those of other tests do.
-SETTINGS = f"""import sys
-sys.path.append({str(ROOT / "tests" / "helpers")!r})
-from forked_kernels import fork_kernels
-fork_kernels()
-c.LabApp.expose_app_in_browser = True
-"""
 LARGE_WINDOW = {"width": 1400, "height": 1000}
 
 
@@ -88,7 +81,8 @@ def running_lab(folder: Path, settings: Path) -> Iterator[Lab]:
     own |= {"IPYTHONDIR": str(settings / "ipython")}
     own |= {"NPSLAM_TEACH_FRAMES": ""}  # a kernel answers: frames, which take seconds, are not needed
     (settings / "config").mkdir()
-    (settings / "config" / "jupyter_lab_config.py").write_text(SETTINGS, encoding="utf-8")
+    exposed = "c.LabApp.expose_app_in_browser = True  # so that a page can open one notebook after the other\n"
+    (settings / "config" / "jupyter_lab_config.py").write_text(exposed, encoding="utf-8")
     with lab_process.running_lab(folder, settings / "lab.log", own) as running:
         yield Lab(running.site, running.token, folder)
 

@@ -89,7 +89,7 @@ def _drawn(figure: Figure, dpi: float) -> Image.Image:
     """The figure as a picture of 256 colours."""
     stream = io.BytesIO()
     with matplotlib.rc_context(_FIXED):
-        figure.savefig(stream, format="png", dpi=dpi)
+        figure.savefig(stream, format="png", dpi=dpi, pil_kwargs={"compress_level": 0})  # it is read at once
     picture = Image.open(stream).convert("RGB")
     # Of Pillow's methods this one keeps small patches of a colour (no channel is off by more than some 5 %), where the
     # default takes the colours of two classes for one. Dithering would add grain, which compresses badly.

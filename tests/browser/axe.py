@@ -5,8 +5,9 @@ import pytest
 SERIOUS = ("serious", "critical")
 # What nbconvert's own template does, on every notebook of the world: by rule, the elements that it styles.
 OF_THE_TEMPLATE = {
-    # Grey prompts; the colours of the code. Axe looks at what lies behind every word: most words of a page are these.
-    "color-contrast": (".jp-InputPrompt", ".jp-OutputPrompt", ".highlight"),
+    # Grey prompts; the colours of the code; text in which nothing has a style of its own. Axe looks at what lies behind
+    # every word: most words of a page are these.
+    "color-contrast": (".jp-InputPrompt", ".jp-OutputPrompt", ".highlight", ".jp-MarkdownOutput:not(:has([style]))"),
     "link-in-text-block": (".jp-RenderedHTMLCommon a",),  # links are blue, and underlined under the mouse alone
 }
 

@@ -56,7 +56,7 @@ def test_axe_finds_a_picture_without_words_and_grey_on_grey(offline):
     """The tests above would see what they look for."""
     offline.set_content(
         "<html lang='en'><title>t</title><main><h1>t</h1><img src='data:image/gif;base64,R0lGODlhAQABAAAAACw='>"
-        "<p style='color:#bbb;background:#ccc'>faint</p></main></html>"
+        "<div class='jp-MarkdownOutput'><p style='color:#bbb;background:#ccc'>faint</p></div></main></html>"
     )
     found = " ".join(violations(offline))
     assert "image-alt" in found and "color-contrast" in found

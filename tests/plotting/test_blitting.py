@@ -1,5 +1,6 @@
 """A picture that is drawn in part is the picture that is drawn in full, pixel for pixel, for every explorer."""
 
+import functools
 import io
 
 import numpy as np
@@ -44,9 +45,17 @@ def explore_office():
     return office_explorer.explore_office(results, log, truth)
 
 
-def explore_widths():
+@functools.cache
+def room_results():
     scenes = {noise: small_room() for noise in (1, 2, 3)}
-    return explore_kernel(scenes, results_of(scenes))
+    return scenes, results_of(scenes)
+
+
+def explore_widths():
+    return explore_kernel(*room_results())
+
+
+recording_0 = functools.cache(results_of_recording_0)
 
 
 # Each explorer, and places to go that move all there is to move, hide some of it and bring it back.
@@ -60,7 +69,7 @@ EXPLORERS = {
     "office": (explore_office, [{"epsilon": 0.4}, {"method": "frame-by-frame"}, {"epsilon": 0.02}]),
     "kernel": (explore_widths, [{"noise": 2}, {"kernel_std": 0.5}, {"noise": 3}, {"kernel_std": 0.15}]),
     "believed noise": (
-        lambda: explore_believed_noise(results_of_recording_0()),
+        lambda: explore_believed_noise(recording_0()),
         [{"power": 2}, {"method": "ekf"}, {"power": -2}, {"method": "posterior"}],
     ),
 }

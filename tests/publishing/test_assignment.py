@@ -7,6 +7,7 @@ runs whole lessons, so one is graded here; ``NPSLAM_TEACH_GRADE=01,02,03,04,05,0
 import ast
 import copy
 import html
+import itertools
 import json
 import os
 import re
@@ -18,10 +19,12 @@ from pathlib import Path
 
 import nbformat
 import pytest
+from slices import needed_statements
 
 from npslam_teach.cli import parser
 from npslam_teach.course import checking
 from npslam_teach.publishing import assignments, solution_cells
+from npslam_teach.publishing.colab import own_source
 
 pytestmark = pytest.mark.slow
 
@@ -328,6 +331,16 @@ def answered(source, lesson, who):
             right, wrong, _ = TYPICAL.get(lesson, (solved[last].source, cell.source.replace("...", "return 0.123"), ""))
             assert right in solved[last].source
             cell.source = solved[last].source.replace(right, wrong)
+    return handed_in if who == "solved" else shortened(handed_in)
+
+
+def shortened(handed_in):
+    """A submission whose other cells do only what the exercises need: the solved copy runs as a whole."""
+    cells = code(handed_in)
+    asked = {k for k, cell in enumerate(cells) if "nbgrader" in cell.metadata}
+    needed = needed_statements([own_source(cell.source) for cell in cells], asked)
+    for k, (cell, source) in enumerate(itertools.zip_longest(cells, needed, fillvalue="")):
+        cell.source = cell.source if k in asked else source
     return handed_in
 
 
@@ -465,7 +478,7 @@ def test_a_kernel_of_another_user_grades_and_cannot_read_solutions_or_marks(cour
     kernel = open_folder / "jupyter" / "kernels" / "python3" / "kernel.json"
     kernel.parent.mkdir(parents=True)
     kernel.write_text(json.dumps(spec), encoding="utf-8")
-    handed_in = answered(nbformat.read(folder / "source" / lesson / name, as_version=4), lesson, "solved")
+    handed_in = shortened(answered(nbformat.read(folder / "source" / lesson / name, as_version=4), lesson, "solved"))
     handed_in.cells.insert(1, nbformat.v4.new_code_cell(SPY.format(course=str(folder))))
     path = folder / "submitted" / "curious" / lesson / name
     path.parent.mkdir(parents=True)

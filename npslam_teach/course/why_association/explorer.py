@@ -161,8 +161,8 @@ def free_places(xy: np.ndarray, texts: list) -> list[tuple]:
         sides = [(0.14 + box[0] / 2, 0.0, "left"), (-0.14 - box[0] / 2, 0.0, "right")]
         heights = [sign * height for height in (0.25, 0.45, 0.65, 0.85) for sign in (1, -1)]
         sides += [(side, height, "center") for height in heights for side in (0.0, 0.3, -0.3, 0.5, -0.5, 0.8, -0.8)]
-        free = [(x, y, align) for x, y, align in sides if not _covers(point + [x, y], box, taken)]
-        x, y, align = (free or sides)[0]
+        free = (side for side in sides if not _covers(point + side[:2], box, taken))
+        x, y, align = next(free, sides[0])
         taken.append((point + [x, y], box))
         edge = {"left": -box[0] / 2, "right": box[0] / 2, "center": 0.0}[align]
         places.append((point[0] + x + edge, point[1] + y, align))

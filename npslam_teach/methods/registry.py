@@ -108,8 +108,8 @@ _ALL = (
         posterior,
         {"color": "#000000", "linestyle": (0, (3, 1, 1, 1)), "marker": "P"},
         "the log's noise is right and white (where residuals show outliers, displaced passes are joined), no class is "
-        "confused beyond the log's class probabilities, and two observations of a frame are two objects; what is seen "
-        "once only is taken for clutter",
+        "confused beyond the log's class probabilities, two observations of a frame are two objects, and things stay "
+        "in view about as long as tracklets do; what is seen once only is taken for clutter",
         sees_classes=True,
         sees_headings=True,
         in_paper=False,

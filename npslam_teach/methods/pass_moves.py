@@ -22,6 +22,7 @@ from npslam_teach.methods.polish import MARGIN
 from npslam_teach.methods.repair import without_gaps
 
 WORTH = 30.0  # nats that the prior may make up for
+IN_VAIN = 50
 
 
 class Move(NamedTuple):
@@ -35,18 +36,24 @@ class Move(NamedTuple):
 def with_moved_passes(model: Model, found: Found) -> Found:
     """Move parts of passes as long as that pays.
 
+    The most promising come first; after ``IN_VAIN`` of them have not paid, one after the other, the rest is not tried.
+
     Args:
         model: with the tracklets as they were before any cut.
         found: what is to be improved.
     """
     while True:
-        before = found.score
+        before, in_vain = found.score, 0
         for _, own, there in sorted(_moves(model, found), key=lambda move: -move.gain):
             labels, both = found.labels.copy(), np.append(own, there) if there >= 0 else own
             labels[both] = labels[there] if there >= 0 and labels[there] >= 0 else labels.max() + 1
-            if not _twice_in_a_frame(labels, model.log.obs_time):
-                again = scored(model, without_gaps(labels), found.graph.poses)
-                found = max(found, again, key=lambda each: each.score)
+            if _twice_in_a_frame(labels, model.log.obs_time):
+                continue
+            again = scored(model, without_gaps(labels), found.graph.poses)
+            in_vain = 0 if again.score > found.score else in_vain + 1
+            found = max(found, again, key=lambda each: each.score)
+            if in_vain == IN_VAIN:
+                break
         if found.score <= before + 1e-6:
             return found
 

@@ -20,13 +20,12 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
 from npslam_teach import datasets, simulate
 from npslam_teach.evaluation import evaluate
 from npslam_teach.experiments import tables
 from npslam_teach.experiments.oracles import true_identities
 from npslam_teach.methods import METHODS, NoiseEstimate, estimate_noise, settings_for
+from npslam_teach.methods.gating import twice_in_a_frame
 from npslam_teach.methods.noise import with_noise
 from npslam_teach.methods.snapshots import snapshot
 from npslam_teach.pose_graph import fit
@@ -127,13 +126,6 @@ def row_of(case: Case, seed: int, last: Snapshot) -> dict:
         "twice": twice_in_a_frame(log, last.labels),
     }
     return case._asdict() | {"seed": seed} | measured
-
-
-def twice_in_a_frame(log: RobotLog, labels: np.ndarray) -> int:
-    """How many observations are of an object that the same frame has seen already; labels (M,), -1 of none."""
-    used = labels >= 0
-    pairs = np.column_stack([log.obs_time[used], labels[used]])
-    return int(len(pairs) - len(np.unique(pairs, axis=0)))
 
 
 def noise_row(seed: int) -> dict:

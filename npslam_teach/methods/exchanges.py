@@ -11,6 +11,7 @@ import numpy as np
 from npslam_teach.association.semantics import class_distances, reports
 from npslam_teach.methods.annealing import Model
 from npslam_teach.methods.gating import squared_residuals
+from npslam_teach.methods.oriented import turns_of_odometry
 from npslam_teach.methods.partition_score import Found, scored
 from npslam_teach.methods.persistence import Persistence, between_two, persistence
 from npslam_teach.methods.repair import REPAIR_GATE, classes_of, without_gaps
@@ -48,8 +49,7 @@ def _squared_distances(model: Model, found: Found) -> np.ndarray:
     squared = squared + class_distances(reports(log), classes_of(log, found.labels))
     if model.headings is None:
         return squared
-    turned = np.append(0.0, np.cumsum(log.odometry[:, 2]))
-    return squared + model.headings.squared_turns(found.labels, found.graph.poses[:, 2] - turned)
+    return squared + model.headings.squared_turns(found.labels, found.graph.poses[:, 2] - turns_of_odometry(log))
 
 
 def _rivals(squared: np.ndarray, labels: np.ndarray, price: Persistence) -> list[list[int]]:

@@ -56,6 +56,13 @@ def frames_with_observations(log: RobotLog) -> list[np.ndarray]:
     return [observations for observations in frames_of(log) if len(observations)]
 
 
+def twice_in_a_frame(log: RobotLog, labels: np.ndarray) -> int:
+    """How many observations are of an object that the same frame has seen already; labels (M,), -1 of none."""
+    used = labels >= 0
+    pairs = np.column_stack([log.obs_time[used], labels[used]])
+    return int(len(pairs) - len(np.unique(pairs, axis=0)))
+
+
 def squared_mahalanobis(innovation: np.ndarray, innovation_cov: np.ndarray) -> np.ndarray:
     """The squared length of an innovation in standard deviations, ``y^T S^-1 y``.
 

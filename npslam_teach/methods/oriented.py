@@ -32,6 +32,11 @@ def without_headings(log: RobotLog) -> RobotLog:
     return replace(log, obs_theta=None, observation_theta_std=None)
 
 
+def turns_of_odometry(log: RobotLog) -> np.ndarray:
+    """(T,) rad: how far the robot has turned since pose 0, by its odometry alone."""
+    return np.append(0.0, np.cumsum(log.odometry[:, 2]))
+
+
 def kernel_heading_std(log: RobotLog, heading_std: float | None) -> float | None:
     """What an alternation assumes of a heading, in rad: as much wider than the sensor as the paper's kernel is.
 
@@ -151,7 +156,7 @@ class ChainHeadings:
         symmetry = symmetries(log)
         if not symmetry.any():
             return None
-        turned = np.append(0.0, np.cumsum(log.odometry[:, 2]))[log.obs_time]
+        turned = turns_of_odometry(log)[log.obs_time]
         step_var = step_covariances(log)[:, 2, 2]
         return cls(turned + log.obs_theta, symmetry, log.obs_time, log.observation_theta_std**2, step_var)
 

@@ -16,6 +16,7 @@ from npslam_teach.association.gibbs import GibbsSampler
 from npslam_teach.association.joint_gaussian import log_normal
 from npslam_teach.association.partition_posterior import log_prior
 from npslam_teach.methods.annealing import Model, reports_of
+from npslam_teach.methods.gating import twice_in_a_frame
 from npslam_teach.methods.partition_score import Found, in_pieces, partition_prior, scored
 from npslam_teach.methods.persistence import passes_of, persistence, singled_out
 from npslam_teach.methods.polish import MARGIN
@@ -47,7 +48,7 @@ def with_moved_passes(model: Model, found: Found) -> Found:
         for _, own, there in sorted(_moves(model, found), key=lambda move: -move.gain):
             labels, both = found.labels.copy(), np.append(own, there) if there >= 0 else own
             labels[both] = labels[there] if there >= 0 and labels[there] >= 0 else labels.max() + 1
-            if _twice_in_a_frame(labels, model.log.obs_time):
+            if twice_in_a_frame(model.log, labels):
                 continue
             again = scored(model, without_gaps(labels), found.graph.poses)
             in_vain = 0 if again.score > found.score else in_vain + 1
@@ -56,11 +57,6 @@ def with_moved_passes(model: Model, found: Found) -> Found:
                 break
         if found.score <= before + 1e-6:
             return found
-
-
-def _twice_in_a_frame(labels: np.ndarray, time: np.ndarray) -> bool:
-    pairs = np.column_stack([time, labels])[labels >= 0]
-    return len(np.unique(pairs, axis=0)) < len(pairs)
 
 
 def _moves(model: Model, found: Found) -> Iterator[Move]:

@@ -14,7 +14,7 @@ from npslam_teach.methods.exchanges import with_exchanges
 from npslam_teach.methods.partition_score import Found, scored
 from npslam_teach.methods.pass_moves import with_moved_passes
 from npslam_teach.methods.persistence import passes_of
-from npslam_teach.methods.repair import attached, classes_of
+from npslam_teach.methods.repair import attached
 
 WARM, STIRS, ROUNDS = (3.0, 1.0, 0.3, 0.1), 4, 3
 SAME = 1e-3  # of the log posterior
@@ -66,10 +66,5 @@ def _stirred(model: Model, found: Found, rng: np.random.Generator) -> Found:
 
 def _with_left_out(model: Model, state: State) -> np.ndarray:
     """Labels (M,) in which those that were left out go where they fit best, if their frame has not taken it."""
-    return attached(model.log, model.of_observations(state.labels), state.graph.poses, _objects(model, state)[0])
-
-
-def _objects(model: Model, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """Where the objects are, (K, 2) m, W, and what they may be, (K, C)."""
-    first = first_observations(state.labels)
-    return state.graph.landmarks[first], classes_of(model.log, model.of_observations(state.labels))
+    landmarks = state.graph.landmarks[first_observations(state.labels)]
+    return attached(model.log, model.of_observations(state.labels), state.graph.poses, landmarks)

@@ -1,29 +1,14 @@
 """Moved parts of passes: what the linear model says of a move, and tracklets that run on into another object."""
 
-from dataclasses import replace
-
 import numpy as np
-import pytest
 
-from npslam_teach import simulate
 from npslam_teach.association import in_order_of_sight, same_partition
 from npslam_teach.methods.annealing import Model, rivals_of
 from npslam_teach.methods.partition_score import scored
 from npslam_teach.methods.pass_moves import Move, _moves, parts_of_passes, with_moved_passes
 from npslam_teach.methods.persistence import passes_of
-from npslam_teach.methods.posterior import in_time, start_model
 from npslam_teach.methods.refinement import _improved
 from npslam_teach.methods.repair import without_gaps
-
-
-@pytest.fixture(scope="module")
-def room():
-    """The model of a log, its graph, and the true object of every observation."""
-    log, truth = simulate.fifteen_objects(3, 1.0)
-    kept = log.obs_time < 400
-    fields = {name: getattr(log, name)[kept] for name in ("obs_time", "obs_xy", "obs_class")}
-    log, back = in_time(replace(log, odometry=log.odometry[:399], **fields))
-    return *start_model(log), in_order_of_sight(truth.obs_object[kept][np.argsort(back)])
 
 
 def with_one_tracklet_of_two_objects(model: Model, truth: np.ndarray, last: int, then: int):

@@ -2,12 +2,10 @@
 
 import itertools
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from npslam_teach import simulate
 from npslam_teach.association import in_order_of_sight, same_partition
 from npslam_teach.association.partition_posterior import log_posterior, log_prior, log_priors
 from npslam_teach.methods.exchanges import with_exchanges
@@ -19,7 +17,6 @@ from npslam_teach.methods.persistence import (
     persistence,
     singled_out,
 )
-from npslam_teach.methods.posterior import in_time, start_model
 from npslam_teach.methods.tracklets import LONGEST_GAP
 
 
@@ -98,17 +95,6 @@ def test_two_objects_are_told_apart_by_all_frames_together(seed):
     found = between_two(squared, look, log_coming, log_alone)
     least = min(map(cost, itertools.product((-1, 0, 1), repeat=count)))
     assert cost(found.tolist()) == pytest.approx(least, abs=1e-9)
-
-
-@pytest.fixture(scope="module")
-def room():
-    """A log in time, the model of its tracklets, and the true object of every observation."""
-    log, truth = simulate.fifteen_objects(3, 1.0)
-    kept = log.obs_time < 400
-    fields = {name: getattr(log, name)[kept] for name in ("obs_time", "obs_xy", "obs_class")}
-    log, back = in_time(replace(log, odometry=log.odometry[:399], **fields))
-    labels = in_order_of_sight(truth.obs_object[kept][np.argsort(back)])
-    return *start_model(log), labels
 
 
 def test_the_score_of_whole_tracklets_is_their_log_posterior(room):

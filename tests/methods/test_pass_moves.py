@@ -25,6 +25,7 @@ def test_a_tracklet_that_runs_on_into_another_object_is_cut_where_the_other_begi
     wrong, labels = with_one_tracklet_of_two_objects(model, truth, last, then)
     labels = labels_once_in_a_frame(model.log, labels, model.tracklet == then)
     before = scored(wrong, labels, graph.poses)
+    assert with_moved_passes(wrong, before).score > before.score + 10
     after = _improved(wrong, before)
     tied = model.tracklet >= 0
     assert not same_partition(labels[tied], truth[tied])
@@ -40,7 +41,7 @@ def test_two_left_out_observations_found_an_object(room):
     gone = np.argmin(np.bincount(truth))
     labels = without_gaps(np.where(truth == gone, -1, truth))
     after = with_moved_passes(model, scored(model, labels, graph.poses))
-    assert same_partition(after.labels, truth)
+    assert (after.labels >= 0).all() and same_partition(after.labels, truth)
 
 
 def changed_by(move: Move, labels: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ from npslam_teach.association.gibbs import GibbsSampler
 from npslam_teach.association.partition_posterior import TrackletEvidence
 from npslam_teach.association.semantics import combined, floored, reports
 from npslam_teach.association.split_merge import merge_objects, split_or_merge
-from npslam_teach.methods.gating import frames_of
+from npslam_teach.methods.gating import seen_together
 from npslam_teach.methods.oriented import ChainHeadings
 from npslam_teach.pose_graph import levenberg_marquardt, mean_landmarks, observation_factors
 from npslam_teach.pose_graph.reduced_system import ReducedSystem, reduced_system
@@ -168,8 +168,5 @@ def rivals_of(log: RobotLog, tracklet: np.ndarray) -> np.ndarray:
     """Pairs of tracklets that cannot be one object, (N, N) bool: no class allows both, or seen in one frame."""
     allowed = np.isfinite(reports_of(log, tracklet)).astype(float)
     rivals = allowed @ allowed.T == 0
-    for observations in frames_of(log):
-        frame = tracklet[observations][tracklet[observations] >= 0]
-        rivals[np.ix_(frame, frame)] = True
     np.fill_diagonal(rivals, False)
-    return rivals
+    return rivals | seen_together(log, tracklet, len(rivals))

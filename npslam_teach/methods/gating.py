@@ -63,6 +63,24 @@ def twice_in_a_frame(log: RobotLog, labels: np.ndarray) -> int:
     return int(len(pairs) - len(np.unique(pairs, axis=0)))
 
 
+def seen_together(log: RobotLog, labels: np.ndarray, count: int) -> np.ndarray:
+    """Which of ``count`` objects, or tracklets, some frame has seen both of: (count, count) bool, the diagonal false.
+
+    Args:
+        log: when each observation was made.
+        labels: (M,) of each observation, -1 = of none.
+        count: above all labels.
+    """
+    from scipy.sparse import csr_array
+
+    used = labels >= 0
+    where = log.obs_time[used], labels[used]
+    seen = csr_array((np.ones(len(where[0])), where), shape=(log.num_poses, count))
+    together = (seen.T @ seen).toarray() > 0
+    np.fill_diagonal(together, False)
+    return together
+
+
 def squared_mahalanobis(innovation: np.ndarray, innovation_cov: np.ndarray) -> np.ndarray:
     """The squared length of an innovation in standard deviations, ``y^T S^-1 y``.
 

@@ -192,10 +192,7 @@ def same_objects(log: RobotLog, graph: PoseGraph, pairs: Pairs, labels: np.ndarr
     distance = (
         squared_mahalanobis(graph.landmarks[i] - graph.landmarks[j], spread) + class_distances(belief, belief)[i, j]
     )
-    together = np.zeros((count, count), dtype=bool)
-    for observations in frames_with_observations(log):
-        seen = labels[observations][labels[observations] >= 0]
-        together[np.ix_(seen, seen)] = True
+    together = seen_together(log, labels, count)
     copies = np.arange(count)
     for k in np.argsort(distance, kind="stable"):
         if distance[k] >= bound:

@@ -96,7 +96,9 @@ def test_growth_is_against_the_smaller_house(results):
             seconds[library], before[library] = float(whole), alternations
         else:
             # Growth is written with one decimal, and seconds with three.
-            assert float(growth[1:]) == pytest.approx(float(whole) / seconds[library], rel=0.03, abs=0.051)
+            ratio = float(whole) / seconds[library]
+            rounding = 0.0501 + 0.0005 * ratio * (1 / float(whole) + 1 / seconds[library])
+            assert float(growth[1:]) == pytest.approx(ratio, abs=rounding)
             expected = float(growth[1:]) * before[library] / alternations
             assert float(per_alternation[1:]) == pytest.approx(expected, abs=0.1)
 

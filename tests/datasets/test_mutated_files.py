@@ -23,7 +23,9 @@ from mutations import BOMBS, DEEP, SUFFIXES, blind, damaged, kind_of
 from npslam_teach.methods import METHODS
 
 HELPERS = Path(__file__).parents[1] / "helpers"
-FILES_PER_FORMAT, DISTINCT_PER_FORMAT = 1_700, 1_450
+FILES_PER_FORMAT, DISTINCT_PER_FORMAT = 1_060, 900
+# Of the next six hundred those alone that reach lines, or leave them by an exception, where none of the first does.
+FARTHER = {"g2o": (1577, 1621, 1691), "npz": (1081, 1268, 1472, 1513), "mat": (1655,)}
 # The processor's seconds of a file, as a multiple of what the slowest method takes for an undamaged one in the same
 # process: the machine may be slow, or busy. Ours take it 0.6 to 1.3 times, by their observations.
 MOST_TIMES, MOST_MEGABYTES = 3.0, 500.0
@@ -36,7 +38,7 @@ def campaign(suffix, numbers, folder, data=None):
     """The outcome of each damaged file, by its number; ``data``: damage the original files of this folder instead."""
     outcomes, todo = {}, list(numbers)
     while todo:
-        outcomes |= run_worker(suffix, range(todo[0], numbers.stop, numbers.step), folder, data)
+        outcomes |= run_worker(suffix, todo, folder, data)
         todo = [number for number in todo if number not in outcomes]
     return outcomes
 
@@ -47,14 +49,12 @@ def run_worker(suffix, numbers, folder, data):
         sys.executable,
         HELPERS / "mutation_worker.py",
         suffix,
-        numbers.start,
-        numbers.stop,
-        numbers.step,
+        ",".join(map(str, numbers)),
         folder,
     ]
     environment = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     environment.pop("TQDM_DISABLE", None)  # a bar where nobody waits is something that a user would see, too
-    outcomes, begun, lines = {}, numbers.start, queue.Queue()
+    outcomes, begun, lines = {}, numbers[0], queue.Queue()
     with (
         (folder / "standard_error").open("w+", encoding="utf-8") as complaints,
         subprocess.Popen(
@@ -125,8 +125,9 @@ def complaints_about(outcomes):
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_damaged_file_ends_in_one_sentence_or_a_right_answer(tmp_path, suffix):
-    outcomes = campaign(suffix, range(FILES_PER_FORMAT), tmp_path)
-    assert sorted(outcomes) == list(range(FILES_PER_FORMAT))
+    numbers = [*range(FILES_PER_FORMAT), *FARTHER[suffix]]
+    outcomes = campaign(suffix, numbers, tmp_path)
+    assert sorted(outcomes) == numbers
     assert not complaints_about(outcomes)
     codes = collections.Counter(outcome["code"] for outcome in outcomes.values())
     # Damage that is always noticed, or never, would test only half.
@@ -177,7 +178,7 @@ def broken(number, path):
 {branches}
 def main(arguments):
     calls.append(1)
-    number = int(sys.argv[2]) + len(calls) - 1
+    number = int(sys.argv[2].split(",")[len(calls) - 1])
     if not 1 <= number <= {count}: return original(arguments)
     try: return broken(number, arguments[1])
     except ValueError as error: return cli._explain('npslam_teach', arguments[0], error)

@@ -1,6 +1,7 @@
 """Fixtures that several test files share."""
 
 import os
+import sys
 from pathlib import Path
 
 import nbformat
@@ -26,6 +27,10 @@ use_own_ports()
 os.environ["NPSLAM_TEACH_FRAMES"] = "1"  # as in notebooks/conftest.py
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(_name, "1")  # of kernels and command lines: several run at once
+# Hundreds of kernels and command lines import the package, and every worker these files: each would compile them anew
+# where bytecode is not kept.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 # On a busy machine even a small run may take the two seconds after which a bar appears among the words under test.
 os.environ["TQDM_DISABLE"] = "1"
 

@@ -15,6 +15,7 @@ headings (``headings.log_heading_evidence``): object by object, beside the posit
 ``log_posterior`` and ``plain_weights`` say it as it is; ``gibbs`` says the same faster.
 """
 
+import functools
 import math
 from itertools import accumulate
 from typing import NamedTuple
@@ -22,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from npslam_teach.association.headings import log_heading_evidence
-from npslam_teach.association.semantics import class_evidence
+from npslam_teach.association.semantics import class_evidence, class_evidences
 
 
 class HeadingEvidence(NamedTuple):
@@ -37,7 +38,15 @@ class HeadingEvidence(NamedTuple):
         told = [each for each in members if self.symmetry[each]]
         if len(told) < 2:
             return 0.0
-        return log_heading_evidence(self.theta[told], self.cov[np.ix_(told, told)], self.symmetry[told].max())
+        cov = self.cov[np.array(told)[:, None], told]
+        return _agreement(self.theta[told].tobytes(), cov.tobytes(), int(self.symmetry[told].max()))
+
+
+@functools.lru_cache(maxsize=10_000)
+def _agreement(theta: bytes, cov: bytes, symmetry: int) -> float:
+    """``log_heading_evidence`` of doubles, remembered: most objects of a partition are those of the one before."""
+    theta = np.frombuffer(theta)
+    return log_heading_evidence(theta, np.frombuffer(cov).reshape(len(theta), -1), symmetry)
 
 
 class TrackletEvidence(NamedTuple):
@@ -110,21 +119,41 @@ def log_priors(labels: np.ndarray, evidence: TrackletEvidence) -> float:
     order = np.argsort(labels, kind="stable")
     begins = np.diff(labels[order], prepend=-1) != 0
     if evidence.classes is not None or evidence.headings is not None:
-        return sum(log_prior(each.tolist(), evidence) for each in np.split(order, np.flatnonzero(begins)[1:]))
+        return _sum_of_log_priors(order, np.flatnonzero(begins), evidence)
     seated = np.cumsum(evidence.counts[order]) - evidence.counts[order]
     before = seated - np.maximum.accumulate(np.where(begins, seated, 0))
     return float(begins.sum() * math.log(evidence.alpha / evidence.area) + np.log(before[~begins]).sum())
 
 
+def _sum_of_log_priors(order: np.ndarray, starts: np.ndarray, evidence: TrackletEvidence) -> float:
+    """``log_priors`` where classes or headings count: tracklets by their objects, and where each object begins."""
+    members = [each.tolist() for each in np.split(order, starts[1:])]
+    counts = evidence.counts.tolist()
+    priors = [_of_seats_and_headings([counts[k] for k in each], each, evidence) for each in members]
+    if evidence.classes is not None and len(order):
+        agreement = class_evidences(np.add.reduceat(evidence.classes[order], starts, axis=0))
+        priors = [prior + each for prior, each in zip(priors, agreement, strict=True)]
+    return sum(priors)
+
+
 def log_prior(members: list[int], evidence: TrackletEvidence) -> float:
     """The log prior of an object of these tracklets, in the order of first sight, and of what they say of its class."""
-    counts = evidence.counts[members].tolist()
-    seats = math.log(evidence.alpha / evidence.area) + sum(math.log(before) for before in accumulate(counts[:-1]))
-    if evidence.headings is not None:
-        seats += evidence.headings.log_agreement(members)
+    prior = _of_seats_and_headings(evidence.counts[members].tolist(), members, evidence)
     if evidence.classes is None or not members:
-        return seats
-    return seats + class_evidence(evidence.classes[members].sum(axis=0))
+        return prior
+    return prior + class_evidence(evidence.classes[members].sum(axis=0))
+
+
+def _of_seats_and_headings(counts: list[int], members: list[int], evidence: TrackletEvidence) -> float:
+    """``log_prior`` but for classes, of tracklets with so many observations."""
+    seats = math.log(evidence.alpha / evidence.area) + _log_seats(tuple(counts))
+    return seats if evidence.headings is None else seats + evidence.headings.log_agreement(members)
+
+
+@functools.lru_cache(maxsize=10_000)
+def _log_seats(counts: tuple[int, ...]) -> float:
+    """What the tracklets of an object weigh when each joins those before it."""
+    return sum(math.log(before) for before in accumulate(counts[:-1]))
 
 
 def plain_weights(evidence: TrackletEvidence, labels: np.ndarray, tracklet: int) -> np.ndarray:

@@ -122,6 +122,15 @@ def class_evidence(total: np.ndarray) -> float:
     return largest + math.log(np.exp(total - largest).mean()) if math.isfinite(largest) else largest
 
 
+def class_evidences(totals: np.ndarray) -> list[float]:
+    """``class_evidence`` of many objects (K, C)."""
+    largest = totals.max(axis=1)
+    finite = np.isfinite(largest)
+    mean = np.exp(totals - np.where(finite, largest, 0.0)[:, None]).mean(axis=1)
+    pairs = zip(largest.tolist(), mean.tolist(), finite.tolist(), strict=True)
+    return [each + math.log(share) if known else each for each, share, known in pairs]
+
+
 def class_distances(seen: np.ndarray, belief: np.ndarray) -> np.ndarray:
     """What the classes add to the squared Mahalanobis distance: ``-2 log`` of how well they agree.
 

@@ -27,6 +27,7 @@ from npslam_teach.methods.gating import (
     GATE,
     NEW_GATE,
     frames_with_observations,
+    seen_together,
     squared_gates,
     squared_mahalanobis,
     squared_residuals,

@@ -1,6 +1,6 @@
 """A process that gives damaged files to the command line, one after the other, and tells what became of each.
 
-``python mutation_worker.py SUFFIX FIRST LAST STEP FOLDER [DATA]`` prints one JSON object per line: first
+``python mutation_worker.py SUFFIX NUMBERS FOLDER [DATA]`` prints one JSON object per line: first
 ``{"begin": n}``, then the outcome. Whoever started it knows from the last line which file it died of.
 """
 
@@ -31,11 +31,11 @@ FAST = tuple(name for name in METHODS if name not in ("online", "posterior"))
 METHODS_IN_TURN = (*METHODS, *11 * FAST)
 
 
-def main(suffix: str, first: int, last: int, step: int, folder: Path, bases: dict | None) -> None:
-    """Try the files ``range(first, last, step)`` of a format."""
+def main(suffix: str, numbers: list[int], folder: Path, bases: dict | None) -> None:
+    """Try some files of a format."""
     parser.build_parser = functools.cache(parser.build_parser)  # a process of its own would build it once, too
     limit_memory(2048 * MEGABYTE)
-    for number in range(first, last, step):
+    for number in numbers:
         tell(begin=number)
         case = damaged(suffix, number, bases)
         path = folder / f"damaged.{suffix}"
@@ -286,6 +286,6 @@ def originals(data: str) -> dict:
 
 
 if __name__ == "__main__":
-    chosen_suffix, *numbers, chosen_folder = sys.argv[1:6]
-    bases = originals(sys.argv[6]) if len(sys.argv) > 6 else None
-    main(chosen_suffix, *map(int, numbers), Path(chosen_folder), bases)
+    chosen_suffix, chosen_numbers, chosen_folder = sys.argv[1:4]
+    chosen_bases = originals(sys.argv[4]) if len(sys.argv) > 4 else None
+    main(chosen_suffix, [int(number) for number in chosen_numbers.split(",")], Path(chosen_folder), chosen_bases)

@@ -1,5 +1,6 @@
 """Headings in the methods: what they are worth, what they must not change, and oracles for each share of them."""
 
+import functools
 from dataclasses import replace
 
 import numpy as np
@@ -45,20 +46,33 @@ def last_of(name, log):
     return list(METHODS[name](log, **settings))[-1]
 
 
+@functools.cache
+def beginning():
+    """Eighty poses of ``sharp``, which see every object, and their truth."""
+    log, truth = hall(0, 10.0)
+    cut = first_poses(log)
+    return cut, replace(truth, poses=truth.poses[: cut.num_poses], obs_object=truth.obs_object[: cut.num_observations])
+
+
+@functools.cache
+def found_in_beginning(name, with_headings):
+    """The answer of a method, which several tests look at."""
+    log, _ = beginning()
+    return last_of(name, log if with_headings else without_headings(log))
+
+
 @pytest.mark.parametrize("name", SEEING)
-def test_headings_decide_where_centroids_cannot(name, sharp):
-    log, truth = sharp
-    with_them, without = (
-        evaluation.evaluate(last_of(name, each), truth, each) for each in (log, without_headings(log))
-    )
+def test_headings_decide_where_centroids_cannot(name):
+    log, truth = beginning()
+    with_them, without = (evaluation.evaluate(found_in_beginning(name, each), truth, log) for each in (True, False))
     assert with_them.num_objects == 2 * len(CENTRES)
     assert with_them.ari > 0.95 > 0.8 > without.ari
 
 
 @pytest.mark.parametrize("name", SEEING)
-def test_an_object_faces_where_it_faces(name, sharp):
-    log, truth = sharp
-    last = last_of(name, log)
+def test_an_object_faces_where_it_faces(name):
+    _, truth = beginning()
+    last = found_in_beginning(name, True)
     motion = se2.align(last.graph.poses[:, :2], truth.poses[:, :2])
     of_object = truth.obs_object[[np.flatnonzero(last.labels == k)[0] for k in range(last.num_objects)]]
     off = se2.wrap(last.graph.landmarks[:, 2] + motion[2] - truth.world.object_theta[of_object])
@@ -67,10 +81,9 @@ def test_an_object_faces_where_it_faces(name, sharp):
 
 @pytest.mark.parametrize("name", SEEING)
 @pytest.mark.parametrize("nothing", [{"class_symmetry": [0]}, {"observation_theta_std": 1e4}])
-def test_headings_that_say_nothing_change_nothing(name, nothing, sharp):
+def test_headings_that_say_nothing_change_nothing(name, nothing):
     """Of round things, and of any that are no better than a guess."""
-    log = replace(first_poses(sharp[0]), **nothing)
-    found, without = last_of(name, log), last_of(name, without_headings(log))
+    found, without = last_of(name, replace(beginning()[0], **nothing)), found_in_beginning(name, False)
     np.testing.assert_array_equal(found.labels, without.labels)
     np.testing.assert_allclose(found.graph.poses, without.graph.poses, atol=1e-7)
     np.testing.assert_allclose(found.graph.landmark_xy, without.graph.landmarks, atol=1e-7)
@@ -86,7 +99,7 @@ def test_who_does_not_look_at_headings_gives_what_it_gave(name, sharp):
 
 @pytest.mark.parametrize("name", SEEING)
 def test_what_looks_alike_is_the_same(name):
-    log = first_poses(hall(1, 10.0, symmetry=2)[0])
+    log = first_poses(hall(1, 10.0, symmetry=2)[0], 50)
     rng = np.random.default_rng(0)
     turned = replace(log, obs_theta=log.obs_theta + np.pi * rng.integers(-2, 3, log.num_observations))
     found = last_of(name, log)

@@ -111,12 +111,14 @@ def _of_chain(factor: np.ndarray, of_both) -> np.ndarray:
     from scipy.linalg.lapack import dtbtrs
 
     gram, last, ranks = np.zeros((of_both.shape[1],) * 2), np.zeros((3, of_both.shape[1])), []
+    row, starts = np.repeat(np.arange(of_both.shape[0]), np.diff(of_both.indptr)), of_both.indptr
     for begin in range(0, of_both.shape[0], STRETCH):
-        rows = of_both[begin : begin + STRETCH]
-        seen = np.unique(rows.indices)
-        rhs = np.zeros((rows.shape[0], 3 + len(seen)), order="F")
+        height = min(STRETCH, of_both.shape[0] - begin)
+        entries = slice(starts[begin], starts[begin + height])
+        seen, place = np.unique(of_both.indices[entries], return_inverse=True)
+        rhs = np.zeros((height, 3 + len(seen)), order="F")
         rhs[:3, :3] = -_tie(factor, begin)
-        rhs[:, 3:] = rows[:, seen].toarray()
+        rhs[row[entries] - begin, 3 + place] = of_both.data[entries]
         carried = dtbtrs(factor[:, begin : begin + STRETCH], rhs, uplo="U", trans="T")[0]
         q, z = carried[:, :3], carried[:, 3:]
         cross = last.T @ (q.T @ z)

@@ -26,7 +26,10 @@ from npslam_teach.types import PoseGraph, RobotLog
 TEMPERATURES = tuple(np.geomspace(8.0, 0.05, 13))
 PROPOSALS = 20  # to split or to merge, after every sweep
 COLD, SETTLING_ROUNDS = 0.01, 10
-STRETCHES = 8  # of the path, one after the other
+# In how many stretches of the path, one after the other, a search begins; 1: with the whole, and hotter. What one way
+# does not find another may.
+WAYS = (8, 1, 16)
+HOT = tuple(np.geomspace(20.0, 0.05, 20))
 
 
 class Model(NamedTuple):
@@ -93,7 +96,24 @@ def anneal(
         yield State(temperature, labels, graph, sampler.log_posterior, linear_chi2, chi2)
 
 
-def grown(model: Model, graph: PoseGraph, rng: np.random.Generator) -> State:
+def searched(model: Model, graph: PoseGraph, stretches: int, rng: np.random.Generator) -> State:
+    """What a search from the beginning comes to, in which no two tracklets are one object.
+
+    Args:
+        model: with N tracklets, in the order of first sight.
+        graph: around which to linearize first; one landmark for every tracklet.
+        stretches: one of ``WAYS``.
+        rng: the generator.
+    """
+    if stretches == 1:
+        *_, state = anneal(model, graph, np.arange(len(model.rivals)), HOT, rng)
+    else:
+        begun = grown(model, graph, stretches, rng)
+        *_, state = anneal(model, begun.graph, begun.labels, TEMPERATURES[1:], rng)
+    return settled(model, state, rng)
+
+
+def grown(model: Model, graph: PoseGraph, stretches: int, rng: np.random.Generator) -> State:
     """A partition that is found stretch by stretch of the path, hot, each around the trajectory mended so far.
 
     Open-loop the trajectory may be far off where a loop closes, and a linear model around it wrong. What a stretch has
@@ -102,21 +122,17 @@ def grown(model: Model, graph: PoseGraph, rng: np.random.Generator) -> State:
     Args:
         model: with N tracklets, in the order of first sight.
         graph: around which to linearize first.
+        stretches: of the path, one after the other.
         rng: the generator.
     """
     begins, labels = model.log.obs_time[first_observations(model.tracklet)], np.zeros(0, dtype=int)
-    for count in _stretches(begins):
+    ends = np.linspace(begins[0], begins[-1], stretches + 1)[1:]
+    for count in np.unique(np.searchsorted(begins, ends, side="right")).tolist():
         part, graph = tied_anew(model, graph, np.where(model.tracklet < count, model.tracklet, -1))
         new = np.arange(count - len(labels)) + labels.max(initial=-1) + 1
         *_, state = anneal(part, graph, np.append(labels, new), TEMPERATURES[1:2], rng)
         labels, graph = state.labels, state.graph
     return state
-
-
-def _stretches(begins: np.ndarray) -> list[int]:
-    """How many tracklets have begun (N,) by the end of each stretch of the path."""
-    ends = np.linspace(begins[0], begins[-1], STRETCHES + 1)[1:]
-    return np.unique(np.searchsorted(begins, ends, side="right")).tolist()
 
 
 def settled(model: Model, state: State, rng: np.random.Generator) -> State:

@@ -2,8 +2,9 @@
 
 Where one object comes into view as another leaves it, a tracklet may run on from the one to the other, and the
 trajectory bends to suit both, so that residuals do not show it. The linear model around what was found knows how it
-would bend back (``association.gibbs``). Every pass is therefore cut where another begins or ends, and every stretch of
-neighbouring parts is moved to every other object; what looks good is solved anew, and kept if it pays.
+would bend back (``association.gibbs``). Every pass is therefore cut where another begins or ends, and where the linear
+model says that the object may have changed (``change_points``). Every stretch of neighbouring parts is moved to every
+other object; what looks good is solved anew, and kept if it pays.
 """
 
 import functools
@@ -17,6 +18,7 @@ from npslam_teach.association.gibbs import GibbsSampler
 from npslam_teach.association.joint_gaussian import log_normal
 from npslam_teach.association.partition_posterior import TrackletEvidence, log_prior
 from npslam_teach.methods.annealing import Model, reports_of
+from npslam_teach.methods.change_points import after_change
 from npslam_teach.methods.gating import twice_in_a_frame
 from npslam_teach.methods.partition_score import Found, in_pieces, partition_prior, scored
 from npslam_teach.methods.persistence import passes_of, persistence, singled_out
@@ -62,7 +64,7 @@ def with_moved_passes(model: Model, found: Found) -> Found:
 
 def _moves(model: Model, found: Found) -> Iterator[Move]:
     """What the linear model holds better, or nearly as good."""
-    part, of_pass = parts_of_passes(model, found.labels)
+    part, of_pass = parts_of_passes(model, found)
     first = first_observations(part)
     finer, reduced = in_pieces(model, found.labels, found.graph, part)
     price = persistence(model.tracklet, model.log.obs_time, model.alpha)
@@ -119,17 +121,17 @@ def _places(sampler: GibbsSampler, slot: int) -> list[tuple[int, float]]:
     return [(slot, 0.0), *zip(slots.tolist(), density.tolist(), strict=True)]
 
 
-def parts_of_passes(model: Model, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Passes cut where another, of what may be the same class, begins or ends.
+def parts_of_passes(model: Model, found: Found) -> tuple[np.ndarray, np.ndarray]:
+    """Passes cut where another, of what may be the same class, begins or ends, and where the object may have changed.
 
     Args:
-        model: the log.
-        labels: (M,) the object of each observation, -1 = of none.
+        model: the log and the prior.
+        found: the passes, solved.
 
     Returns:
         (M,) the part of each observation, in the order of first sight; (N,) the pass of each part.
     """
-    number, _ = passes_of(labels, model.log.obs_time)
+    number, _ = passes_of(found.labels, model.log.obs_time)
     time, first = model.log.obs_time, first_observations(number)
     last = len(number) - 1 - first_observations(number[::-1])
     allowed = np.isfinite(reports_of(model.log, number)).astype(float)
@@ -140,5 +142,5 @@ def parts_of_passes(model: Model, labels: np.ndarray) -> tuple[np.ndarray, np.nd
         part[own] = np.searchsorted(
             np.unique(np.append(time[first[others]], time[last[others]] + 1)), time[own], side="right"
         )
-    part = in_order_of_sight(np.column_stack([number, part]))
+    part = in_order_of_sight(np.column_stack([number, part, after_change(model, found.labels, found.graph)]))
     return part, number[first_observations(part)]

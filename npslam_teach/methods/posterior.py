@@ -6,8 +6,8 @@ apart, and how far drift may have carried them apart. It has no kernel and no th
 
 1. ``tracklets``: the observations of one pass over one object.
 2. ``pose_graph.reduced_system``: chi2 as a quadratic form in the positions of the tracklets, all poses eliminated.
-3. ``annealing``: Gibbs moves and split-merge moves (``association.gibbs``), along the path while it is hot, and then
-   from hot to cold; several times.
+3. ``annealing``: Gibbs moves and split-merge moves (``association.gibbs``), from hot to cold, along the path while it
+   is hot or all at once; until two searches have found the same.
    Headings count object by object: how well those of its tracklets agree, the error of the robot's own heading being
    the random walk of the odometry (``oriented.ChainHeadings``); trajectory and map are of positions until the end,
    and so is what ``refinement`` looks at.
@@ -22,13 +22,12 @@ from dataclasses import replace
 import numpy as np
 
 from npslam_teach.association import require_alpha, require_area
-from npslam_teach.methods.annealing import TEMPERATURES, Model, State, anneal, grown, rivals_of, settled, tied_anew
+from npslam_teach.methods.annealing import WAYS, Model, State, rivals_of, searched
 from npslam_teach.methods.noise import with_noise
 from npslam_teach.methods.oriented import ChainHeadings, without_headings
 from npslam_teach.methods.partition_score import without_displaced
 from npslam_teach.methods.polish import polished
-from npslam_teach.methods.refinement import refined
-from npslam_teach.methods.repair import confirmed
+from npslam_teach.methods.refinement import confirmed, refined
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
 from npslam_teach.methods.tracklets import tied_both_ways
 from npslam_teach.pose_graph import fit, with_associations
@@ -115,11 +114,7 @@ def best_of_starts(model: Model, graph: PoseGraph, starts: int, seed) -> Iterato
     best, found = None, 0
     for start in range(starts):
         rng = np.random.default_rng([*seed, start])
-        # Every other search is linear around the best trajectory so far: the first may have been far off.
-        around = graph if start % 2 == 0 else tied_anew(model, best.graph, model.tracklet)[1]
-        begun = grown(model, around, rng)
-        *_, last = anneal(model, begun.graph, begun.labels, TEMPERATURES[1:], rng)
-        last = settled(model, last, rng)
+        last = searched(model, graph, WAYS[start % len(WAYS)], rng)
         if best is None or last.log_posterior > best.log_posterior + SAME:
             best, found = last, 1
         elif last.log_posterior > best.log_posterior - SAME:
@@ -141,7 +136,7 @@ def _search(log: RobotLog, alpha: float, area: float | None, starts: int, seed: 
         labels, graph = model.of_observations(best.labels), best.graph
     else:
         labels, graph, _ = refined(model, state, np.random.default_rng([seed, starts]))
-        labels = confirmed(log, graph, without_displaced(model, labels, graph), model.tracklet)
+        labels = confirmed(model, without_displaced(model, labels, graph), graph)
     yield labels, fit(log, labels, graph.poses)
 
 

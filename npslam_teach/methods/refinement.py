@@ -14,7 +14,8 @@ from npslam_teach.methods.exchanges import with_exchanges
 from npslam_teach.methods.partition_score import Found, scored
 from npslam_teach.methods.pass_moves import with_moved_passes
 from npslam_teach.methods.persistence import passes_of
-from npslam_teach.methods.repair import attached
+from npslam_teach.methods.repair import attached, tied_twice, with_objects
+from npslam_teach.types import PoseGraph
 
 WARM, STIRS, ROUNDS = (3.0, 1.0, 0.3, 0.1), 4, 3
 SAME = 1e-3  # of the log posterior
@@ -30,7 +31,7 @@ def refined(model: Model, state: State, rng: np.random.Generator) -> Found:
         rng: the generator.
     """
     best = scored(model, _with_left_out(model, state), state.graph.poses)
-    if len(model.rivals) * model.log.num_poses > MOST_POSES:
+    if _is_long(model):
         return best
     best = _improved(model, best)
     for _ in range(STIRS):
@@ -42,6 +43,32 @@ def refined(model: Model, state: State, rng: np.random.Generator) -> Found:
             break
         best = max(best, again, key=lambda each: each.score)
     return best
+
+
+def confirmed(model: Model, labels: np.ndarray, graph: PoseGraph) -> np.ndarray:
+    """Labels (M,) from 0 without gaps, without objects of what was left out of the tracklets, but where they pay.
+
+    Args:
+        model: with the tracklets as they were before any cut.
+        labels: (M,) the object of each observation, -1 = of none.
+        graph: one landmark for every object of a partition that these labels coarsen or keep.
+    """
+    stays = tied_twice(labels, model.tracklet)
+    left = with_objects(model.log, graph, labels, stays)
+    several = np.bincount(labels[labels >= 0], minlength=len(stays)) > 1
+    if _is_long(model) or not (several & ~stays).any():
+        return left
+    best = scored(model, left, graph.poses)
+    for k in np.flatnonzero(several & ~stays):
+        with_it = stays | (np.arange(len(stays)) == k)
+        again = scored(model, with_objects(model.log, graph, labels, with_it), graph.poses)
+        if again.score > best.score:
+            stays, best = with_it, again
+    return best.labels
+
+
+def _is_long(model: Model) -> bool:
+    return len(model.rivals) * model.log.num_poses > MOST_POSES
 
 
 def _improved(model: Model, found: Found) -> Found:

@@ -4,6 +4,7 @@ import numpy as np
 
 from npslam_teach.association import in_order_of_sight, same_partition
 from npslam_teach.methods.annealing import Model, rivals_of
+from npslam_teach.methods.change_points import after_change
 from npslam_teach.methods.partition_score import scored
 from npslam_teach.methods.pass_moves import Move, _moves, parts_of_passes, with_moved_passes
 from npslam_teach.methods.persistence import passes_of
@@ -54,7 +55,7 @@ def test_the_linear_model_foretells_what_a_move_is_worth(room):
     """For moves that hardly bend the trajectory, the gain it names is that of the partition solved anew."""
     model, graph, truth = room
     wrong = truth.copy()
-    own = np.flatnonzero(parts_of_passes(model, truth)[0] == 3)
+    own = np.flatnonzero(parts_of_passes(model, scored(model, truth, graph.poses))[0] == 3)
     wrong[own] = truth.max() + 1
     found = scored(model, without_gaps(wrong), graph.poses)
     moves = [move for move in _moves(model, found) if found.labels[move.there] >= 0 or move.there < 0]
@@ -64,9 +65,11 @@ def test_the_linear_model_foretells_what_a_move_is_worth(room):
     np.testing.assert_allclose(real[gain > 0], gain[gain > 0], atol=1.0)
 
 
-def test_parts_are_of_one_pass_and_cut_where_others_of_the_class_begin_or_end(room):
-    model, _, truth = room
-    part, of_pass = parts_of_passes(model, truth)
+def test_parts_are_of_one_pass_and_cut_where_others_of_the_class_begin_or_end_or_the_object_may_change(room):
+    model, graph, truth = room
+    found = scored(model, truth, graph.poses)
+    part, of_pass = parts_of_passes(model, found)
+    after = after_change(model, truth, found.graph)
     number, of_object = passes_of(truth, model.log.obs_time)
     assert (of_pass[part] == number).all()
     time, classes = model.log.obs_time, model.log.obs_class
@@ -77,7 +80,7 @@ def test_parts_are_of_one_pass_and_cut_where_others_of_the_class_begin_or_end(ro
             time[number == other].max() + 1 for other in alike
         }
         inside = [border for border in borders if time[own].min() < border <= time[own].max()]
-        steps = {(time[own] >= border).argmax() for border in inside}
+        steps = {(time[own] >= border).argmax() for border in inside} | {after[own].argmax()}
         assert len(np.unique(part[own])) == len(steps - {0}) + 1
 
 

@@ -8,7 +8,8 @@ other object; what looks good is solved anew, and kept if it pays.
 """
 
 import functools
-from collections.abc import Callable, Iterator
+import itertools
+from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +28,7 @@ from npslam_teach.methods.repair import without_gaps
 
 WORTH = 30.0  # nats that the prior may make up for
 IN_VAIN = 50
+FIRST = 8  # moves that are tried two at once
 
 
 class Move(NamedTuple):
@@ -40,26 +42,52 @@ class Move(NamedTuple):
 def with_moved_passes(model: Model, found: Found) -> Found:
     """Move parts of passes as long as that pays.
 
-    The most promising come first; after ``IN_VAIN`` of them have not paid, one after the other, the rest is not tried.
+    The most promising come first, and then two at once.
 
     Args:
         model: with the tracklets as they were before any cut.
         found: what is to be improved.
     """
     while True:
-        before, in_vain = found.score, 0
-        for _, own, there in sorted(_moves(model, found), key=lambda move: -move.gain):
-            labels, both = found.labels.copy(), np.append(own, there) if there >= 0 else own
-            labels[both] = labels[there] if there >= 0 and labels[there] >= 0 else labels.max() + 1
-            if twice_in_a_frame(model.log, labels):
-                continue
-            again = scored(model, without_gaps(labels), found.graph.poses)
-            in_vain = 0 if again.score > found.score else in_vain + 1
-            found = max(found, again, key=lambda each: each.score)
-            if in_vain == IN_VAIN:
-                break
-        if found.score <= before + 1e-6:
+        before, moves = found, sorted(_moves(model, found), key=lambda move: -move.gain)
+        found = _one_by_one(model, before, moves)
+        if found.score <= before.score + 1e-6:
+            found = _two_at_once(model, before, moves[:FIRST])
+        if found.score <= before.score + 1e-6:
             return found
+
+
+def _one_by_one(model: Model, found: Found, moves: list[Move]) -> Found:
+    """What comes of moves that pay; after ``IN_VAIN`` that have not, one after the other, the rest is not tried."""
+    in_vain = 0
+    for move in moves:
+        again = _moved(model, found, found, [move])
+        in_vain = in_vain + 1 if again is found else 0
+        found = again
+        if in_vain == IN_VAIN:
+            break
+    return found
+
+
+def _two_at_once(model: Model, found: Found, moves: list[Move]) -> Found:
+    """The best that two moves come to together: the trajectory bends to suit both, and neither may pay alone."""
+    best = found
+    for two in itertools.combinations(moves, 2):
+        if not np.isin(two[0].own, two[1].own).any():
+            best = _moved(model, found, best, two)
+    return best
+
+
+def _moved(model: Model, found: Found, best: Found, moves: Iterable[Move]) -> Found:
+    """What was found, after moves; or what is best so far, where that is better or a frame would see a thing twice."""
+    labels = found.labels.copy()
+    for _, own, there in moves:
+        both = np.append(own, there) if there >= 0 else own
+        labels[both] = found.labels[there] if there >= 0 and found.labels[there] >= 0 else labels.max() + 1
+    if twice_in_a_frame(model.log, labels):
+        return best
+    again = scored(model, without_gaps(labels), found.graph.poses)
+    return again if again.score > best.score else best
 
 
 def _moves(model: Model, found: Found) -> Iterator[Move]:

@@ -1,13 +1,17 @@
 """Moved parts of passes: what the linear model says of a move, and tracklets that run on into another object."""
 
+import sys
+
 import numpy as np
 
+from npslam_teach import simulate
 from npslam_teach.association import in_order_of_sight, same_partition
 from npslam_teach.methods.annealing import Model, rivals_of
 from npslam_teach.methods.change_points import after_change
 from npslam_teach.methods.partition_score import scored
 from npslam_teach.methods.pass_moves import Move, _moves, parts_of_passes, with_moved_passes
 from npslam_teach.methods.persistence import passes_of
+from npslam_teach.methods.posterior import in_time, start_model
 from npslam_teach.methods.refinement import _improved
 from npslam_teach.methods.repair import without_gaps
 
@@ -101,3 +105,20 @@ def labels_once_in_a_frame(log, labels, moved):
     displaced = ~moved & np.isin(labels + 1000 * log.obs_time, taken)
     labels = np.where(displaced, -1, labels)
     return in_order_of_sight(labels, labels >= 0)
+
+
+def test_two_moves_at_once_where_neither_pays_alone(monkeypatch):
+    """Two passes of a room at six times the noise, each in a wrong object: the trajectory bends to suit both."""
+    log, truth = simulate.fifteen_objects(20024, 6.0)
+    log, back = in_time(log)
+    truth = in_order_of_sight(truth.obs_object[np.argsort(back)])
+    (model, graph), (number, of_object) = start_model(log), passes_of(truth, log.obs_time)
+    right, wrong = scored(model, truth, graph.poses), truth.copy()
+    wrong[number == 18] = of_object[20]  # which begins beside it when it ends
+    wrong[number == 17] = truth.max() + 1
+    found = scored(model, without_gaps(wrong), right.graph.poses)
+    assert found.score < right.score - 1
+    with monkeypatch.context() as patch:
+        patch.setattr(sys.modules[with_moved_passes.__module__], "FIRST", 0)
+        assert with_moved_passes(model, found).score < right.score - 1
+    assert same_partition(with_moved_passes(model, found).labels, truth)

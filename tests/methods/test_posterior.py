@@ -65,7 +65,7 @@ def test_a_search_along_the_path_mends_the_trajectory(noise):
     log, truth = simulate.fifteen_objects(5, noise)
     ordered, _ = in_time(log)
     model, graph = start_model(ordered)
-    state = grown(model, graph, np.random.default_rng(0))
+    state = grown(model, graph, 8, np.random.default_rng(0))
     assert len(state.labels) == len(model.rivals)
     assert not (model.rivals & (state.labels[:, None] == state.labels)).any()
     errors = []

@@ -38,16 +38,13 @@ def test_falls_are_those_of_the_linear_model(room, pieces):
         best = np.linalg.solve(gather.T @ reduced.information @ gather, gather.T @ reduced.vector)
         return reduced.chi2((gather @ best).reshape(-1, 2))
 
-    first = [number[piece == k][0] != number[piece == k - 1][0] if k else True for k in range(len(falls))]
+    first = np.unique(number[np.unique(piece, return_index=True)[1]], return_index=True)[1]
+    assert (falls[first] == 0).all()
     whole = least(of_piece)
-    for k in np.flatnonzero(~np.array(first))[::7]:
+    for k in np.setdiff1d(np.arange(len(falls)), first)[::7]:
         later = np.unique(piece[from_here_on(piece, number, k)])
         split = np.where(np.isin(np.arange(len(of_piece)), later), of_piece.max() + 1, of_piece)
         assert falls[k] == pytest.approx(whole - least(split), abs=1e-6)
-    begins = [
-        np.flatnonzero(piece == k)[0] == np.flatnonzero(number == number[piece == k][0])[0] for k in range(len(falls))
-    ]
-    assert (falls[begins] == 0).all()
 
 
 def test_and_nearly_those_of_the_solver(room, pieces):

@@ -6,12 +6,13 @@ process mixture models", 2000, with trajectory and map collapsed too. ``partitio
 samples from; ``split_merge`` has the moves that a single tracklet cannot make.
 """
 
+import functools
 import math
 from typing import NamedTuple
 
 import numpy as np
 
-from npslam_teach.association.joint_gaussian import JointGaussian, log_normal
+from npslam_teach.association.joint_gaussian import JointGaussian, log_normal, with_room
 from npslam_teach.association.partition_posterior import (
     TrackletEvidence,
     joint_system,
@@ -44,6 +45,8 @@ class GibbsSampler:
 
     def __init__(self, evidence: TrackletEvidence, labels: np.ndarray, rng: np.random.Generator):
         self.evidence, self.rng = evidence, rng
+        # Of a tuple of tracklets in the order of first sight; the same few objects are asked for again and again.
+        self.log_prior = functools.lru_cache(50_000)(lambda members: log_prior(list(members), evidence))
         self._blocks = evidence.information.reshape(len(labels), 2, len(labels), 2)
         self.slot = np.asarray(labels)
         self.refresh()
@@ -82,7 +85,8 @@ class GibbsSampler:
         precision, vector = joint_system(self.evidence, self.slot)
         cov = np.linalg.inv(precision) if len(precision) else precision
         self.joint = JointGaussian(cov @ vector, cov)
-        self.log_posterior = log_evidence(self.evidence, precision, vector, self.joint.mean, self.members)
+        prior = sum(self.log_prior(tuple(each)) for each in self.members)
+        self.log_posterior = log_evidence(self.evidence, precision, vector, self.joint.mean, prior)
 
     def change_by(self, tracklet: int, slot: int) -> float:
         """How the log posterior changes when a lone tracklet joins an object; -inf for a rival."""
@@ -109,7 +113,7 @@ class GibbsSampler:
             self.members += [[] for _ in range(count)]
             self.joint.change(*apart.update)
             self.joint.make_room(count)
-            column = np.pad(apart.column, ((0, 2 * count), (0, 0)))
+            column = with_room(apart.column, 2 * count, 0)
         else:
             self.joint.change(*apart.update)
             column = apart.column
@@ -208,7 +212,7 @@ class GibbsSampler:
         column, b = self.joint.column(gone), slice(2 * stays, 2 * stays + 2)
         cov = self.joint.own[gone] + self.joint.own[stays] - column[b] - column[b].T
         mean = self.joint.mean.reshape(-1, 2)
-        joint, *apart = (log_prior(each, self.evidence) for each in (sorted(first + second), first, second))
+        joint, *apart = (self.log_prior(tuple(each)) for each in (sorted(first + second), first, second))
         return float(log_normal(mean[stays] - mean[gone], cov)) + joint - sum(apart)
 
     def merge(self, gone: int, stays: int) -> None:
@@ -229,9 +233,8 @@ class GibbsSampler:
         """How the log prior changes when a tracklet comes to members (+1), or leaves them for itself (-1)."""
         with_it = sorted([*members, tracklet]) if sign > 0 else members
         without = members if sign > 0 else [each for each in members if each != tracklet]
-        joint = log_prior(with_it, self.evidence)
-        apart = log_prior(without, self.evidence) + log_prior([tracklet], self.evidence)
-        return sign * (joint - apart)
+        joint, *apart = (self.log_prior(tuple(each)) for each in (with_it, without, (tracklet,)))
+        return sign * (joint - sum(apart))
 
     def _free_slot(self) -> int:
         """An empty slot; where there is none, the one after the last."""

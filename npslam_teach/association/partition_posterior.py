@@ -75,10 +75,11 @@ def log_posterior(evidence: TrackletEvidence, labels: np.ndarray) -> float:
         return -math.inf
     precision, vector = joint_system(evidence, labels)
     members = [np.flatnonzero(labels == i).tolist() for i in range(labels.max(initial=-1) + 1)]
-    return log_evidence(evidence, precision, vector, np.linalg.solve(precision, vector), members)
+    prior = sum(log_prior(each, evidence) for each in members)
+    return log_evidence(evidence, precision, vector, np.linalg.solve(precision, vector), prior)
 
 
-def log_evidence(evidence: TrackletEvidence, precision, vector, mean, members: list[list[int]]) -> float:
+def log_evidence(evidence: TrackletEvidence, precision, vector, mean, prior: float) -> float:
     """``log_posterior`` of a partition whose joint system is known.
 
     Args:
@@ -86,11 +87,10 @@ def log_evidence(evidence: TrackletEvidence, precision, vector, mean, members: l
         precision: (2K, 2K) J.
         vector: (2K,) e.
         mean: (2K,) J^-1 e.
-        members: the tracklets of each object, in the order of first sight.
+        prior: the sum of ``log_prior`` over all objects.
     """
     chi2 = evidence.constant - vector @ mean
     log_det = np.linalg.slogdet(precision / (2 * np.pi))[1]
-    prior = sum(log_prior(each, evidence) for each in members)
     return float(-chi2 / 2 - log_det / 2 + prior)
 
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from npslam_teach.association.gibbs import GibbsSampler
 from npslam_teach.association.joint_gaussian import log_normal
-from npslam_teach.association.partition_posterior import log_prior
 
 
 def split_or_merge(sampler: GibbsSampler, temperature: float = 1.0) -> bool:
@@ -130,12 +129,12 @@ def _merger_changes(sampler: GibbsSampler, spread: np.ndarray | float = 0.0) -> 
     cov = own[:, None] + own - blocks - blocks.swapaxes(2, 3) + spread
     cov[np.arange(count), np.arange(count)] = np.eye(2)
     change = np.where(rivals | np.eye(count, dtype=bool), -np.inf, log_normal(mean[:, None] - mean, cov))
-    prior = [log_prior(each, sampler.evidence) for each in sampler.members]
+    prior = [sampler.log_prior(tuple(each)) for each in sampler.members]
     # A merger can gain no more than this by the prior: one object less, and every tracklet joins all the others.
     evidence = sampler.evidence
     most = abs(math.log(evidence.alpha / evidence.area)) + len(sampler.slot) * math.log(evidence.counts.sum())
     for i, j in np.argwhere(np.triu(change > -most)):
-        joint = log_prior(sorted(sampler.members[i] + sampler.members[j]), sampler.evidence)
+        joint = sampler.log_prior(tuple(sorted(sampler.members[i] + sampler.members[j])))
         change[i, j] += joint - prior[i] - prior[j]
     change[np.tril_indices(count)] = -np.inf
     return change

@@ -7,9 +7,8 @@ model says that the object may have changed (``change_points``). Every stretch o
 other object; what looks good is solved anew, and kept if it pays.
 """
 
-import functools
 import itertools
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +16,6 @@ import numpy as np
 from npslam_teach.association import first_observations, in_order_of_sight
 from npslam_teach.association.gibbs import GibbsSampler
 from npslam_teach.association.joint_gaussian import log_normal
-from npslam_teach.association.partition_posterior import TrackletEvidence, log_prior
 from npslam_teach.methods.annealing import Model, reports_of
 from npslam_teach.methods.change_points import after_change
 from npslam_teach.methods.gating import twice_in_a_frame
@@ -111,7 +109,6 @@ def _moves(model: Model, found: Found) -> Iterator[Move]:
 
 def _stretches(sampler: GibbsSampler, of_pass: np.ndarray) -> Iterator[tuple[list[int], int, float]]:
     """The first parts of a pass, its last, or any one; an object where they may go; and the log density of that."""
-    seats = _seats_of(sampler.evidence)
     for begin in range(len(of_pass)):
         before, stretch = sampler.saved(), []
         parts = np.flatnonzero(of_pass == of_pass[begin])
@@ -122,20 +119,16 @@ def _stretches(sampler: GibbsSampler, of_pass: np.ndarray) -> Iterator[tuple[lis
             stretch = [*stretch, each]
             if begin not in (parts[0], each) and each != parts[-1]:
                 continue
-            taken = sampler.log_posterior - before[-1] - seats(sampler.members) + seats(before[1])
+            taken = sampler.log_posterior - before[-1] - _seats(sampler, sampler.members) + _seats(sampler, before[1])
             for slot, density in _places(sampler, sampler.slot[begin]):
                 if slot != before[0][begin]:
                     yield stretch, slot, taken + density
         sampler.restore(before)
 
 
-def _seats_of(evidence: TrackletEvidence) -> Callable[[list[list[int]]], float]:
-    """The prior of the linear model, in which parts are drawn as if they were tracklets: of members, object by object.
-
-    Most objects are asked for again and again.
-    """
-    known = functools.cache(lambda members: log_prior(list(members), evidence))
-    return lambda members: sum(known(tuple(each)) for each in members if each)
+def _seats(sampler: GibbsSampler, members: list[list[int]]) -> float:
+    """The prior of the linear model, in which parts are drawn as if they were tracklets."""
+    return sum(sampler.log_prior(tuple(each)) for each in members if each)
 
 
 def _places(sampler: GibbsSampler, slot: int) -> list[tuple[int, float]]:

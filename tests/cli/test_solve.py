@@ -1,5 +1,6 @@
 """``solve``: what it prints and writes, and what it says of its own answer."""
 
+import functools
 import json
 import re
 from dataclasses import replace
@@ -349,8 +350,11 @@ def test_a_single_search_is_not_taken_for_certain(capsys, log_file):
 
 
 @pytest.mark.slow
-def test_estimated_noise_is_used_and_told(capsys, tmp_path):
-    """A log that claims a third of its noise."""
+def test_estimated_noise_is_used_and_told(capsys, tmp_path, monkeypatch):
+    """A log that claims a third of its noise. It is estimated once, and told in both ways."""
+    estimate = functools.cache(lambda: solving_estimate(*asked[0]))
+    solving_estimate, asked = solving.estimate_noise, []
+    monkeypatch.setattr(solving, "estimate_noise", lambda *log: asked.append(log) or estimate())
     short_log, _ = small_log()
     path = tmp_path / "run.npz"
     third = {name: getattr(short_log, name) / 3 for name in ("odometry_std", "observation_std")}
@@ -363,6 +367,7 @@ def test_estimated_noise_is_used_and_told(capsys, tmp_path):
     assert "chi2 per degree of freedom is" in err and "--estimate-noise" in err
     _, out, err = call(capsys, "solve", path, "--method", "ekf", "--estimate-noise")
     assert re.search(r"^estimated noise +odometry [\d. ]+, observation [\d. ]+$", out, re.M) and err == ""
+    assert len(asked) == 2
 
 
 def test_estimated_noise_beside_settings_that_ignore_it_is_refused(refused, log_file):

@@ -20,11 +20,11 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory):
-    """All figures, and every fourth figure drawn a second time: two dictionaries from file name to bytes."""
+    """All figures, and every eighth figure drawn a second time: two dictionaries from file name to bytes."""
     folder = tmp_path_factory.mktemp("figures")
     assert parser.main(["figures", "--out", str(folder / "first")]) == 0
     (folder / "second").mkdir()
-    draw_files(all_figures.FIGURES[::4], folder / "second")
+    draw_files(all_figures.FIGURES[::8], folder / "second")
     return [{p.name: p.read_bytes() for p in (folder / n).iterdir()} for n in ("first", "second")]
 
 
@@ -36,7 +36,7 @@ def every_file() -> set[str]:
 
 def test_the_command_draws_everything_and_always_alike(drawn):
     first, second = drawn
-    assert len(second) == 2 * len(all_figures.FIGURES[::4])
+    assert len(second) == 2 * len(all_figures.FIGURES[::8])
     assert second.items() <= first.items()
     assert set(first) == every_file()
 

@@ -387,7 +387,7 @@ def test_probabilities_are_true_once_the_border_is_weighed_in():
     """The method lets chairs stand outside the square; weighing partitions by the share inside corrects this."""
     rng, noise = np.random.default_rng(11), np.random.default_rng(12).normal(size=(200, 12))
     plain, weighed = [], []
-    for world in range(300):
+    for world in range(200):
         log, truth = scenes.drawn_world(rng)
         evidence = scenes.evidence_of(log, area=scenes.DRAWN_SIDE**2)
         listed = ExactPosterior(evidence)

@@ -6,6 +6,7 @@ too; and a 2-sigma ellipse holds the truth in ``1 - exp(-2)`` of all cases. Seed
 solver fails each of these tests once in ten thousand choices of seeds.
 """
 
+import functools
 import math
 from dataclasses import dataclass, replace
 
@@ -33,6 +34,7 @@ class Runs:
     object_nees: np.ndarray  # (S, K)
 
 
+@functools.cache
 def scene():
     """Twice round a circle, among twelve objects that are seen again and again."""
     world = simulate.scattered_world(3, ("chair", "cup", "plant", "lamp"), np.random.default_rng(0), size=8.0)

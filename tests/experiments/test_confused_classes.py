@@ -13,7 +13,7 @@ from npslam_teach.experiments.confused_classes import CASES, SEEDS, SHARES, room
 # One run of every case, rooms and shares spread over the table.
 SOME = [("np-graph", 0.1, 29), ("ekf hard", 0.5, 7), ("ekf", 0.3, 11), ("max-mixture", 0.3, 17)]
 SOME += [("overconfident", 0.1, 22), ("true identities", 0.0, 13)]
-SOME += [pytest.param("soft-em", 0.5, 4, marks=pytest.mark.slow)]
+SOME += [("soft-em", 0.5, 7)]
 
 
 def test_every_run_is_in_the_table_once():

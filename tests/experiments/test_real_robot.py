@@ -57,7 +57,8 @@ def test_a_row_is_what_a_run_gives(case, seed):
 @pytest.mark.slow
 def test_estimates_are_what_the_library_estimates():
     noise = list(real_robot.read_table(table.FOLDER / "noise.csv", NOISE_COLUMNS))
-    seed = min(SEEDS, key=lambda each: noise[each]["rounds"])  # a round takes seconds, and is the same code
+    # A round takes seconds, more of them the longer the recording is, and is the same code.
+    seed = min(SEEDS, key=lambda each: (noise[each]["rounds"], imported(each)[0].num_observations))
     found = real_robot.noise_row(seed)
     assert {name: found[name] for name in ("rounds", "converged")}.items() <= noise[seed].items()
     for name in ("odometry", "observation", "within", "outliers"):

@@ -17,7 +17,7 @@ from npslam_teach.experiments import executors, sweep, sweep_files
 from npslam_teach.methods import METHODS
 
 
-def small_grid(seeds=3):
+def small_grid(seeds=2):
     return sweep.grid(["np-graph", "open-loop"], range(seeds), [1.0, 2.0], alpha=[None, 0.5])
 
 

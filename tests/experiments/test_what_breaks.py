@@ -20,7 +20,7 @@ SOME = [
     *(
         ("true start sensor", 2.0, 14),
         ("true identities", 4.0, 9),
-        pytest.param("posterior", 4.0, 6, marks=pytest.mark.slow),
+        ("posterior", 4.0, 9),
     ),
 ]
 

@@ -26,8 +26,9 @@ def with_covariances(log):
 @pytest.mark.parametrize("method", [pytest.param("posterior", marks=pytest.mark.slow), "ekf"])
 def test_the_same_noise_said_of_each_gives_the_same_answer(method):
     log, _ = simulate.fifteen_objects(3, noise=2.0)
-    *_, one = METHODS[method](log)
-    *_, each = METHODS[method](with_covariances(log))
+    settings = {"starts": 1} if method == "posterior" else {}  # a second search asks no more of the noise
+    *_, one = METHODS[method](log, **settings)
+    *_, each = METHODS[method](with_covariances(log), **settings)
     np.testing.assert_array_equal(one.labels, each.labels)
     np.testing.assert_allclose(one.graph.poses, each.graph.poses, atol=1e-9)
     assert each.chi2 == pytest.approx(one.chi2, rel=1e-9)
@@ -47,7 +48,7 @@ def test_given_standard_deviations_are_for_all():
 def test_bad_observations_that_say_so_do_no_harm(method):
     """A third of the observations is six times as noisy; the log says which."""
     rng, right = np.random.default_rng(0), []
-    for seed in range(3):
+    for seed in range(2):
         log, truth = simulate.fifteen_objects(seed, noise=1.0)
         bad = rng.random(log.num_observations) < 1 / 3
         spoilt = log.obs_xy + bad[:, None] * rng.normal(size=log.obs_xy.shape) * np.sqrt(35) * log.observation_std

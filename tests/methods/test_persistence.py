@@ -2,13 +2,14 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from npslam_teach.association import in_order_of_sight, same_partition
 from npslam_teach.association.partition_posterior import log_posterior, log_prior, log_priors
-from npslam_teach.methods.exchanges import with_exchanges
+from npslam_teach.methods.exchanges import _squared_distances, with_exchanges
 from npslam_teach.methods.partition_score import in_pieces, partition_prior, partition_score, scored
 from npslam_teach.methods.persistence import (
     between_two,
@@ -152,3 +153,20 @@ def test_two_observations_of_a_frame_that_were_exchanged_are_put_right(room):
     after = with_exchanges(model, before)
     assert same_partition(after.labels, truth) and after.score > before.score + 10
     assert after.score == pytest.approx(partition_score(model, after.labels, after.graph))
+
+
+def test_what_is_reported_of_classes_counts_in_exchanges(room):
+    """In an exchange an observation is as far from an object as its report disagrees with all that is said of that."""
+    model, graph, truth = room
+    rng, log = np.random.default_rng(0), model.log
+    told = 0.8 * np.eye(log.num_classes)[log.obs_class] + 0.2 * rng.dirichlet(np.ones(log.num_classes), len(truth))
+    nothing = np.full(told.shape, 1 / log.num_classes)
+    model, blind = (model._replace(log=replace(log, class_probabilities=each)) for each in (told, nothing))
+    found = scored(model, truth, graph.poses)
+    agreement = np.ones((len(truth), truth.max() + 1))
+    for j in range(truth.max() + 1):
+        logs = np.log(told[truth == j]).sum(axis=0)
+        belief = np.exp(logs - logs.max()) / np.exp(logs - logs.max()).sum()
+        agreement[:, j] = log.num_classes * told @ belief
+    change = _squared_distances(model, found) - _squared_distances(blind, found)
+    np.testing.assert_allclose(change, -2 * np.log(agreement), atol=1e-9)

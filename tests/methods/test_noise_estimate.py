@@ -21,12 +21,12 @@ def known(log, truth, claim=1.0):
 
 @pytest.mark.slow
 def test_whatever_a_log_claims_its_noise_is_found():
-    """Who is who is not known either. The beginning of a room at twice the noise; it takes three rounds from 1.5."""
+    """Who is who is not known either. The beginning of a room at twice the noise; it takes three rounds from 2.5."""
     log, _ = simulate.fifteen_objects(2, noise=2.0)
     seen = log.obs_time < 200
     fields = {name: getattr(log, name)[seen] for name in ("obs_time", "obs_xy", "obs_class")}
     log = replace(log, odometry=log.odometry[:199], **fields)
-    wrong = with_noise(log, 1.5 * log.odometry_std, 1.5 * log.observation_std)
+    wrong = with_noise(log, 2.5 * log.odometry_std, 2.5 * log.observation_std)
     estimate = estimate_noise(wrong)
     assert estimate.converged and estimate.is_white and estimate.rounds > 2
     np.testing.assert_allclose(estimate.odometry_std, log.odometry_std, rtol=0.2)

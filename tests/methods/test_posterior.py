@@ -237,7 +237,7 @@ def test_samples_say_how_sure_it_is():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [101, 102, 104])  # the prior, the places, and both on the largest
+@pytest.mark.parametrize("seed", [101, 102, 104])  # wrong priors fail on two, wrong places on the other
 def test_frequencies_of_a_small_log_are_the_exact_posterior(seed):
     """All partitions of up to seven observations enumerated in the same linear model.
 

@@ -12,7 +12,7 @@ apart, and how far drift may have carried them apart. It has no kernel and no th
    the random walk of the odometry (``oriented.ChainHeadings``); trajectory and map are of positions until the end,
    and so is what ``refinement`` looks at.
 4. ``refinement``: tracklets and observations looked at again with the whole map at hand, and those that were left out;
-   what is in view stays in view (``persistence``).
+   what is in view stays in view (``persistence``), but in its place may come another (``change_points``).
    For logs of few observations ``polish`` instead: every near rival judged around its own solution.
 """
 

@@ -20,6 +20,7 @@ CHROMIUM_ARGUMENTS = (
 ).split()
 CELLS_SECONDS = 300
 PAGE_SECONDS = 120
+POLLING = 50  # ms from one look at what is waited for to the next; to look with every frame keeps a page drawing frames
 ALL_SHOWN = """cells => {
     const images = [...document.querySelectorAll(".jp-Notebook .jp-Cell img")];
     return document.querySelectorAll(".jp-Notebook .jp-Cell").length === cells && images.length > 0
@@ -139,7 +140,7 @@ def open_instead(page, name: str) -> None:
 def wait_until_shown(page, lab: Lab, name: str) -> None:
     """Wait until all of a notebook as it was saved is in the page."""
     cells = len(nbformat.read(lab.folder / "notebooks" / name, as_version=4).cells)
-    page.wait_for_function(ALL_SHOWN, arg=cells)
+    page.wait_for_function(ALL_SHOWN, arg=cells, polling=POLLING)
 
 
 def wait_until_idle(page, milliseconds: float = 60_000) -> None:
@@ -159,11 +160,11 @@ def run_all_cells(page) -> None:
         page.locator("[data-command='runmenu:run-all']").click()
         # A notebook that is still being wired to its kernel ignores the command without a word.
         with contextlib.suppress(timeout_error()):
-            page.wait_for_function(begun, timeout=3_000)
+            page.wait_for_function(begun, timeout=3_000, polling=POLLING)
             break
     else:
         raise AssertionError("the cells did not run")
-    page.wait_for_function(done, timeout=1000 * CELLS_SECONDS)
+    page.wait_for_function(done, timeout=1000 * CELLS_SECONDS, polling=4 * POLLING)
     wait_until_idle(page)
 
 

@@ -10,7 +10,7 @@ import nbformat
 import pytest
 from axe import violations
 from explorers import EXPLORER, PICTURE, attributes_of, led, lessons_with_explorers
-from lab_server import ROOT, new_context
+from lab_server import POLLING, ROOT, new_context
 from rings import ring_of
 
 SHOTS = ROOT / "build" / "screenshots"
@@ -165,7 +165,9 @@ def test_every_slider_follows_mouse_and_finger(framed):
                 explorer.compare()
                 assert explorer.index(control) == explorer.size(control) - 1
                 page.touchscreen.tap(box["x"] + 3, middle)
-                page.wait_for_function("each => each.value === '0'", arg=explorer.locator(control).element_handle())
+                page.wait_for_function(
+                    "each => each.value === '0'", arg=explorer.locator(control).element_handle(), polling=POLLING
+                )
                 explorer.compare()
 
 
@@ -187,7 +189,7 @@ def test_a_ring_goes_where_a_hand_leads_it(framed, hand):
             locator.scroll_into_view_if_needed()
             x, y, wanted = max(stops, key=lambda each: abs(each[0] - ring.xy[0]) + abs(each[1] - ring.xy[1]))
             led(page, locator, [(0.5 * (x + ring.xy[0]), 0.5 * (y + ring.xy[1])), (x, y)], hand)
-            page.wait_for_function("() => new Promise((done) => setTimeout(() => done(true), 50))")
+            page.wait_for_function("() => new Promise((done) => setTimeout(() => done(true), 50))", polling=POLLING)
             assert explorer.set_to().items() >= wanted.items()
             explorer.compare()
             some += 1

@@ -5,7 +5,6 @@ the hand is seen in ``test_lesson_explorers`` and ``test_frames``. Screenshots o
 ``NPSLAM_TEACH_SCREENSHOTS`` is set, are left in ``build/screenshots``.
 """
 
-import os
 import shutil
 
 import pytest
@@ -20,7 +19,7 @@ from lab_server import (
     wait_until_idle,
     wait_until_shown,
 )
-from window import LAPTOP, NARROW, PROJECTOR, Window
+from window import ALL_ARE_KEPT, LAPTOP, NARROW, PROJECTOR, Window
 
 LESSONS = sorted(path.name for path in (ROOT / "notebooks").glob("[0-9]*.ipynb"))
 # The first that a student runs, and one whose code moves its explorer. The drawing page runs in ``test_draw_world``.
@@ -66,7 +65,7 @@ def complaints(page, name: str, width: int) -> list[str]:
     """What cannot be read at this width, with a screenshot of it."""
     with Window(page, width) as window:
         found = window.complaints()
-        if found or "NPSLAM_TEACH_SCREENSHOTS" in os.environ:
+        if found or ALL_ARE_KEPT:
             window.screenshot(SHOTS / f"{name.split('.')[0]}_{width}.png")
     return found
 

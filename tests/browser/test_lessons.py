@@ -40,10 +40,13 @@ def reader(chromium, lab):
 
 @pytest.fixture(scope="module")
 def committed(request, reader, lab):
-    """(name, page): a lesson that was opened and not run; what is shown is what is committed."""
+    """(name, page): a lesson that was opened and not run; what is shown is what is committed.
+
+    No cell runs, so that all have the kernel of the notebook that the page was opened with.
+    """
     name = f"committed_{request.param}"
     shutil.copy(ROOT / "notebooks" / request.param, lab.folder / "notebooks" / name)
-    open_instead(reader, name)
+    open_instead(reader, name, shares_kernel=True)
     wait_until_shown(reader, lab, name)
     return name, reader
 

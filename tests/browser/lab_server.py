@@ -163,7 +163,7 @@ def run_all_cells(page) -> None:
         page.locator("[data-command='runmenu:run-all']").click()
         # A notebook that is still being wired to its kernel ignores the command without a word.
         with contextlib.suppress(timeout_error()):
-            page.wait_for_function(begun, timeout=3_000, polling=POLLING)
+            page.wait_for_function(begun, timeout=3_000)
             break
     else:
         raise AssertionError("the cells did not run")

@@ -16,6 +16,8 @@ from npslam_teach.pose_graph import mean_landmarks, with_associations
 from npslam_teach.system.progress import track
 from npslam_teach.types import RobotLog, Snapshot
 
+PAIRS = 100_000  # of observations that are compared at once
+
 
 def open_loop(
     log: RobotLog,
@@ -51,13 +53,26 @@ def join_earlier_observations(
     obs_xy_world: np.ndarray, obs_class: np.ndarray, threshold: float, kernel_std: float
 ) -> np.ndarray:
     """The object of each observation: that of the most alike earlier one, or a new one; (M,)."""
+    most_alike, likeness = np.zeros(len(obs_class), dtype=int), np.zeros(len(obs_class))
+    blocks = list(_blocks(obs_class))
+    for which, begin, end in track(blocks, len(blocks), "open-loop", "blocks"):
+        xy, own = obs_xy_world[which[: end - 1]], obs_xy_world[which[begin:end]]
+        x, y = (xy[:, axis] - own[:, None, axis] for axis in (0, 1))
+        is_earlier = np.arange(end - 1) < np.arange(begin, end)[:, None]
+        weights = association_weights(is_earlier, np.sqrt(x * x + y * y), kernel_std)
+        most_alike[which[begin:end]] = which[weights.argmax(axis=1)]
+        likeness[which[begin:end]] = weights.max(axis=1)
     labels, num_objects = np.empty(len(obs_class), dtype=int), 0
-    for k in track(range(len(obs_class)), len(obs_class), "open-loop", "observations"):
-        distance = np.linalg.norm(obs_xy_world[:k] - obs_xy_world[k], axis=1)
-        likeness = association_weights(obs_class[:k] == obs_class[k], distance, kernel_std)
-        if likeness.max(initial=0.0) > threshold:
-            labels[k] = labels[np.argmax(likeness)]
-        else:
-            labels[k] = num_objects
-            num_objects += 1
+    for k, joins in enumerate(likeness > threshold):
+        labels[k] = labels[most_alike[k]] if joins else num_objects
+        num_objects += not joins
     return labels
+
+
+def _blocks(obs_class: np.ndarray) -> Iterator[tuple[np.ndarray, int, int]]:
+    """Observations of one class, and a few of them to compare with all of these before: (which, begin, end)."""
+    for each in np.unique(obs_class):
+        which = np.flatnonzero(obs_class == each)
+        rows = max(PAIRS // len(which), 1)
+        for begin in range(1, len(which), rows):
+            yield which, begin, min(begin + rows, len(which))

@@ -10,6 +10,9 @@ OF_THE_TEMPLATE = {
     "color-contrast": (".jp-InputPrompt", ".jp-OutputPrompt", ".highlight", ".jp-MarkdownOutput:not(:has([style]))"),
     "link-in-text-block": (".jp-RenderedHTMLCommon a",),  # links are blue, and underlined under the mouse alone
 }
+LESS_THAN_SERIOUS = (
+    "region",
+)  # whatever it finds is moderate, and it takes a third of the time of all others together
 
 
 def violations(page, context=None) -> list[str]:
@@ -22,7 +25,7 @@ def violations(page, context=None) -> list[str]:
     axe = pytest.importorskip(
         "axe_playwright_python.sync_playwright", reason="axe is not installed: pip install -r tests/requirements.txt"
     )
-    others = {"rules": {rule: {"enabled": False} for rule in OF_THE_TEMPLATE}}
+    others = {"rules": {rule: {"enabled": False} for rule in (*OF_THE_TEMPLATE, *LESS_THAN_SERIOUS)}}
     found = axe.Axe().run(page, context, {"resultTypes": ["violations"]} | others).response["violations"]
     for rule, selectors in OF_THE_TEMPLATE.items():
         ours = {"exclude": [[each] for each in selectors]} | ({"include": [[context]]} if context else {})

@@ -12,7 +12,7 @@ from pathlib import Path
 import nbformat
 import pytest
 from computed_once import compute_once
-from lab_server import ROOT, open_notebook, run_all_cells, timeout_error, write_notebook
+from lab_server import POLLING, ROOT, open_notebook, run_all_cells, timeout_error, write_notebook
 from slices import needed_statements
 
 from npslam_teach.course.controls import Choice, Control, Places
@@ -35,6 +35,16 @@ FIELDS = """(root, names) => names.map((name) => {
     const control = root.querySelector(`[data-control=${name}]`);
     return [control.selectedIndex ?? null, control.parentElement.querySelector("input[type=text]")?.value ?? null];
 })"""
+# How many pictures were painted, which value a control shows, whether it has the focus: now, or with the next picture.
+STATE = """(root, [name]) => {
+    const control = root.querySelector(`[data-control=${name}]`);
+    return [root.latencies.length, Number(control.selectedIndex ?? control.value), document.activeElement === control];
+}"""
+PAINTED = f"""async (root, [name, known, milliseconds]) => {{
+    const end = performance.now() + milliseconds;
+    while (root.latencies.length <= known && performance.now() < end) await new Promise((done) => setTimeout(done, 5));
+    return ({STATE})(root, [name]);
+}}"""
 EXPLORE = re.compile(r"\bexplore_\w+\(")
 EXPLORER = ".npslam-explorer"
 ANSWER_SECONDS = 120
@@ -140,7 +150,7 @@ class Shown:
     """An explorer in the page, and its twin in this process."""
 
     def __init__(self, page, number: int, twin: Explorer):
-        self.page, self.number, self.twin, self._answers = page, number, twin, {}
+        self.page, self.number, self.twin, self._answers, self._handle = page, number, twin, {}, None
         self.root = root = page.locator(EXPLORER).nth(number)
         root.scroll_into_view_if_needed()
         self.controls = []
@@ -154,12 +164,12 @@ class Shown:
 
     def values(self) -> dict:
         """What the page's controls are set to, which a single question to the page tells."""
-        shown = self.root.evaluate(FIELDS, [control.name for control in self.controls])
+        shown = self._evaluate(FIELDS, *(control.name for control in self.controls))
         return {control.name: control.value(*each) for control, each in zip(self.controls, shown, strict=True)}
 
     def picture(self) -> dict:
         """The picture, its alternative text and the words under it."""
-        return self.root.evaluate(PICTURE)
+        return self._evaluate(PICTURE)
 
     def expected(self) -> dict:
         """The library's answer for what the page's controls are set to, which it is asked for once."""
@@ -174,12 +184,25 @@ class Shown:
             self._answers[place] = {"source": source, "alt": words, "words": words}
         return self._answers[place]
 
-    def press(self, control: Control, forward: bool) -> None:
+    def press(self, control: ShownControl, forward: bool) -> None:
         """Press an arrow key, and wait until another picture, or other words, are painted."""
-        known, before = self.root.evaluate("root => root.latencies.length"), control.index()
-        control.locator.press(control.key(forward))
-        self.wait("root.latencies.length > known", known, f"{control.name}: the picture did not change")
-        assert control.index() == before + (1 if forward else -1)
+        known, before, has_focus = self._evaluate(STATE, control.name)
+        if not has_focus:
+            control.locator.focus()
+        self.page.keyboard.press(control.key(forward))
+        now, after, _ = self._evaluate(PAINTED, control.name, known, 1000 * ANSWER_SECONDS)
+        if now <= known:
+            raise self._complaint(f"{control.name}: the picture did not change")
+        assert after == before + (1 if forward else -1)
+
+    def _evaluate(self, expression: str, *arguments):
+        """Ask the page for a value of the explorer, which is looked for once: it costs more than most questions."""
+        if self._handle is None:
+            self._handle = self.root.element_handle()
+        return self._handle.evaluate(expression, list(arguments))
+
+    def _complaint(self, what: str) -> AssertionError:
+        return AssertionError(f"{what} ({self.values()}; {self.picture()['words']})")
 
     def press_and_compare(self, control: Control, forward: bool) -> dict:
         """Press an arrow key and check all of the answer; returns what is shown then."""
@@ -197,9 +220,10 @@ class Shown:
                 f"([root, known]) => {condition}",
                 arg=[self.root.element_handle(), known],
                 timeout=1000 * ANSWER_SECONDS,
+                polling=POLLING,
             )
         except timeout_error():
-            raise AssertionError(f"{what} ({self.values()}; {self.picture()['words']})") from None
+            raise self._complaint(what) from None
 
     def wait_for_answer(self) -> None:
         """Wait until the words are those of what the controls are set to."""

@@ -20,14 +20,17 @@ CHROMIUM_ARGUMENTS = (
 ).split()
 CELLS_SECONDS = 300
 PAGE_SECONDS = 120
+POLLING = 50  # ms from one look at what is waited for to the next; to look with every frame keeps a page drawing frames
 ALL_SHOWN = """cells => {
     const images = [...document.querySelectorAll(".jp-Notebook .jp-Cell img")];
     return document.querySelectorAll(".jp-Notebook .jp-Cell").length === cells && images.length > 0
         && images.every((each) => each.complete);
 }"""
-OPEN = """async (path) => {
+OPEN = """async ([path, shared]) => {
+    const running = [...jupyterapp.serviceManager.sessions.running()];
     for (const each of [...jupyterapp.shell.widgets("main")]) each.dispose();
-    await (await jupyterapp.commands.execute("docmanager:open", { path, factory: "Notebook" })).context.ready;
+    const kernel = shared ? { id: running[0].kernel.id } : undefined;
+    await (await jupyterapp.commands.execute("docmanager:open", { path, factory: "Notebook", kernel })).context.ready;
 }"""
 LARGE_WINDOW = {"width": 1400, "height": 1000}
 
@@ -128,17 +131,18 @@ def open_notebook(page, lab: Lab, name: str, workspace: str = "test", runs: bool
     page.keyboard.press("Control+b")  # the list of files takes half of a narrow window
 
 
-def open_instead(page, name: str) -> None:
-    """Open a notebook in a page in the place of another one.
+def open_instead(page, name: str, shares_kernel: bool = False) -> None:
+    """Open a notebook in a page in the place of another one, with a kernel that runs already or with its own.
 
     A page that is loaded anew compiles JupyterLab anew, which takes longer than all the rest.
     """
-    page.evaluate(OPEN, f"notebooks/{name}")
+    page.evaluate(OPEN, [f"notebooks/{name}", shares_kernel])
 
 
 def wait_until_shown(page, lab: Lab, name: str) -> None:
     """Wait until all of a notebook as it was saved is in the page."""
     cells = len(nbformat.read(lab.folder / "notebooks" / name, as_version=4).cells)
+    # With every frame: JupyterLab attaches cells when a page has nothing to do after a frame, and no frame, no cell.
     page.wait_for_function(ALL_SHOWN, arg=cells)
 
 
@@ -163,7 +167,7 @@ def run_all_cells(page) -> None:
             break
     else:
         raise AssertionError("the cells did not run")
-    page.wait_for_function(done, timeout=1000 * CELLS_SECONDS)
+    page.wait_for_function(done, timeout=1000 * CELLS_SECONDS, polling=4 * POLLING)
     wait_until_idle(page)
 
 

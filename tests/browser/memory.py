@@ -1,8 +1,11 @@
 """How much a step of an explorer leaves behind, in a process and in a page: a class plays with a slider for an hour."""
 
+import contextlib
+import ctypes
 import gc
 import itertools
 import json
+import sys
 import tracemalloc
 import urllib.request
 
@@ -15,7 +18,7 @@ from npslam_teach.pose_graph import factorization
 
 # A few steps show that nothing stays. Only where something has grown, which may be a store that fills, more decide.
 WARM_UP, PRESSED_WARM_UP, ROUNDS = 20, 10, (12, 60, 200)
-TRACED_WARM_UP = 4  # after so many the present picture is one that was made while memory was traced
+TRACED_WARM_UP = 4  # after so many the present picture is one that was made while memory was counted
 # qdldl frees arrays behind tracemalloc's back, which goes on listing some of them; a process that updates a factor a
 # hundred thousand times does not grow by a kilobyte.
 NOT_QDLDL = tracemalloc.Filter(False, factorization.__file__)
@@ -39,24 +42,72 @@ def to_and_fro(explorer):
 
 
 def growth_in_python(moves, explorer) -> float:
-    """How many bytes a step leaves behind."""
+    """How many bytes a step leaves behind, in that half of some steps that leaves more: what is freed once hides none.
+
+    Counting is the system's own where it can say what is allocated, because tracing takes four times as long.
+    """
+    count, counting = (_allocated, contextlib.nullcontext) if hasattr(LIBC, "mallinfo2") else (_traced, tracing)
     for steps in ROUNDS:
-        tracemalloc.start()
-        try:
-            before = traced_after(itertools.islice(moves, TRACED_WARM_UP), explorer)
-            growth = (traced_after(itertools.islice(moves, steps), explorer) - before) / steps
-        finally:
-            tracemalloc.stop()
+        with counting(), _only_what_comes_is_collected():
+            held = [_held_after(itertools.islice(moves, few), explorer, count) for few in (TRACED_WARM_UP, steps // 2)]
+            held.append(_held_after(itertools.islice(moves, steps // 2), explorer, count))
+        growth = max(after - before for before, after in itertools.pairwise(held)) / (steps // 2)
         if growth < BYTES_PER_STEP:
             break
     return growth
 
 
-def traced_after(moves, explorer) -> int:
-    """How many bytes that were taken since tracing began are still held after some moves."""
+def _held_after(moves, explorer, count) -> int:
+    """How many bytes are held after some moves."""
     for move in moves:
         explorer.move(**move)
     gc.collect()
+    return count()
+
+
+@contextlib.contextmanager
+def _only_what_comes_is_collected():
+    """Within this block: to look through all that a process of tests holds takes longer than some steps."""
+    gc.collect()
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
+
+
+LIBC = ctypes.CDLL(None) if sys.platform.startswith("linux") else None
+LARGEST_BLOCK = 512  # bytes, of what Python's own allocator hands out; what is larger comes from malloc
+
+
+class _Malloc(ctypes.Structure):
+    """``struct mallinfo2`` of glibc."""
+
+    _fields_ = [
+        (name, ctypes.c_size_t)
+        for name in "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost".split()
+    ]
+
+
+def _allocated() -> int:
+    """Bytes that are allocated now, a small object counted as a large one."""
+    LIBC.mallinfo2.restype = _Malloc
+    malloc = LIBC.mallinfo2()
+    return malloc.uordblks + malloc.hblkhd + LARGEST_BLOCK * sys.getallocatedblocks()
+
+
+@contextlib.contextmanager
+def tracing():
+    """Within this block memory is traced."""
+    tracemalloc.start()
+    try:
+        yield
+    finally:
+        tracemalloc.stop()
+
+
+def _traced() -> int:
+    """Bytes that were taken since tracing began and are still held."""
     return sum(trace.size for trace in tracemalloc.take_snapshot().filter_traces([NOT_QDLDL]).traces)
 
 

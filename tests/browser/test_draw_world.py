@@ -7,7 +7,7 @@ import time
 import nbformat
 import numpy as np
 import pytest
-from lab_server import LARGE_WINDOW, ROOT, new_context, open_notebook, run_all_cells, saved, write_notebook
+from lab_server import LARGE_WINDOW, POLLING, ROOT, new_context, open_notebook, run_all_cells, saved, write_notebook
 
 from npslam_teach import datasets, np_graph
 from npslam_teach.course.draw_your_own_world import messages
@@ -26,7 +26,9 @@ class Room:
 
     def wait(self, state: str = "done") -> None:
         """Until the kernel has answered what was drawn last."""
-        self.page.wait_for_function(f"document.querySelector('.draw-world').dataset.state === '{state}'")
+        self.page.wait_for_function(
+            f"document.querySelector('.draw-world').dataset.state === '{state}'", polling=POLLING
+        )
 
     def pixel(self, x: float, y: float, width: float = 12.0, height: float = 8.0) -> tuple[float, float]:
         """Where on the page a place in the room is, from the frame that the map draws around the room."""
@@ -71,7 +73,9 @@ class Room:
     def rest(self) -> None:
         """Until the rounds have been played to the end."""
         last = len(self.bars) - 1
-        self.page.wait_for_function(f"document.querySelector('.draw-world').dataset.round === '{last}'")
+        self.page.wait_for_function(
+            f"document.querySelector('.draw-world').dataset.round === '{last}'", polling=POLLING
+        )
 
     def skip(self) -> None:
         """To the last round at once: nobody needs to wait for those in between."""
@@ -307,7 +311,7 @@ def test_the_rounds_glide_but_not_for_those_who_want_no_motion(room):
             }"""
         )
         room.root.get_by_role("button", name="Play the rounds").click()
-        room.page.wait_for_function("document.querySelector('.draw-world').seen.length > 0")
+        room.page.wait_for_function("document.querySelector('.draw-world').seen.length > 0", polling=POLLING)
         room.rest()
         shown[motion] = room.root.evaluate("root => { root.watcher.disconnect(); return root.seen; }")
     whole = list(range(len(room.bars)))
@@ -327,7 +331,9 @@ def test_saving_and_loading(room):
     room.root.get_by_role("textbox", name="File").fill("mine.npz")
     room.root.get_by_role("button", name="Load").click()
     room.root.locator(".note", has_text="Loaded mine.npz").wait_for()
-    room.page.wait_for_function("w => document.querySelector('.draw-world .words').textContent === w", arg=words)
+    room.page.wait_for_function(
+        "w => document.querySelector('.draw-world .words').textContent === w", arg=words, polling=POLLING
+    )
     assert room.bars == bars
     room.root.get_by_role("textbox", name="File").fill("absent.npz")
     room.root.get_by_role("button", name="Load").click()
@@ -398,7 +404,9 @@ def test_the_first_result_is_there_within_300_ms(moving_room, record_property):
 @pytest.mark.parametrize("width", [800, 1400, 1920])
 def test_nothing_is_cut_off_at_any_width(room, width):
     room.page.set_viewport_size({"width": width, "height": 1100})
-    room.page.wait_for_function("document.querySelector('.draw-world').clientWidth < window.innerWidth")
+    room.page.wait_for_function(
+        "document.querySelector('.draw-world').clientWidth < window.innerWidth", polling=POLLING
+    )
     room.drag([(8.4, 4.2), (8.4, 4.6)])
     room.wait()
     room.assert_right(f"width{width}.npz")
@@ -461,13 +469,19 @@ def test_undo_and_redo_with_buttons_and_keys(room):
     ):
         room.page.keyboard.press(key)
         room.page.wait_for_function(
-            "said => document.querySelector('.draw-world .words').textContent === said", arg=said
+            "said => document.querySelector('.draw-world .words').textContent === said",
+            arg=said,
+            polling=POLLING,
         )
         assert room.root.get_by_role("combobox", name="Selected").locator("option").count() == count
     room.root.get_by_role("button", name="Redo").click()
-    room.page.wait_for_function("said => document.querySelector('.draw-world .words').textContent === said", arg=added)
+    room.page.wait_for_function(
+        "said => document.querySelector('.draw-world .words').textContent === said", arg=added, polling=POLLING
+    )
     room.root.get_by_role("button", name="Undo").click()
-    room.page.wait_for_function("said => document.querySelector('.draw-world .words').textContent === said", arg=words)
+    room.page.wait_for_function(
+        "said => document.querySelector('.draw-world .words').textContent === said", arg=words, polling=POLLING
+    )
 
 
 def test_the_note_says_what_is_selected_and_that_nothing_is(room):
@@ -484,7 +498,9 @@ def test_other_methods_answer_beside_the_papers(room):
     for name in ("ekf", "posterior"):
         room.root.get_by_role("combobox", name="Method").select_option(name)
         room.page.wait_for_function(
-            "n => document.querySelectorAll('.draw-world .beside li').length === n", arg=2 if name == "ekf" else 3
+            "n => document.querySelectorAll('.draw-world .beside li').length === n",
+            arg=2 if name == "ekf" else 3,
+            polling=POLLING,
         )
         room.wait()
     lines = room.root.locator(".beside li").all_inner_texts()
@@ -504,7 +520,9 @@ def test_an_exported_world_is_opened_by_a_friend(room, tmp_path):
     room.wait()
     assert room.words != words
     room.root.get_by_label("Open a world that a friend exported").set_input_files(tmp_path / "mine.json")
-    room.page.wait_for_function("said => document.querySelector('.draw-world .words').textContent === said", arg=words)
+    room.page.wait_for_function(
+        "said => document.querySelector('.draw-world .words').textContent === said", arg=words, polling=POLLING
+    )
     (tmp_path / "other.json").write_text("[1, 2]", encoding="utf-8")
     room.root.get_by_label("Open a world that a friend exported").set_input_files(tmp_path / "other.json")
     room.wait()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from axe import violations
 from explorers import EXPLORER, Shown
-from lab_server import new_context, open_notebook, run_all_cells, saved, timeout_error, write_notebook
+from lab_server import POLLING, new_context, open_notebook, run_all_cells, saved, timeout_error, write_notebook
 
 from npslam_teach.course.dirichlet_process.explorer import explore_association
 
@@ -46,7 +46,9 @@ def fields(shown: Shown) -> dict:
 def test_a_loop_of_moves_ends_where_its_last_one_ends(live, lab):
     page, shown = live
     printed = saved(page, lab, "loop.ipynb").cells[1].outputs[0].text.strip()
-    page.wait_for_function("words => document.querySelector('figcaption').textContent === words", arg=printed)
+    page.wait_for_function(
+        "words => document.querySelector('figcaption').textContent === words", arg=printed, polling=POLLING
+    )
     assert fields(shown) == {"alpha": "0.20", "threshold": "0.00", "kernel_std": "0.354"}
     twin = explore_association()
     assert twin.move(alpha=0.2, kernel_std=0.354) == printed
@@ -68,6 +70,7 @@ def test_held_keys_end_at_the_last_one(live):
         page.wait_for_function(
             "([field, value]) => document.querySelector('figcaption').textContent.includes(`alpha ${value} `)",
             arg=[None, f"{value:.2f}"],
+            polling=POLLING,
         )
         assert alpha.index() == place and float(alpha.readout.input_value()) == value
         before = place
@@ -80,7 +83,9 @@ def test_a_typed_number_is_taken_as_it_is(live):
     width.readout.press("Enter")
     twin = shown.twin
     words = twin.move(alpha=float(fields(shown)["alpha"]), kernel_std=0.333)
-    page.wait_for_function("words => document.querySelector('figcaption').textContent === words", arg=words)
+    page.wait_for_function(
+        "words => document.querySelector('figcaption').textContent === words", arg=words, polling=POLLING
+    )
     assert width.readout.input_value() == "0.333"
     width.readout.fill("far")
     width.readout.press("Enter")
@@ -109,6 +114,7 @@ def wait_until_at(page, number: int, xy, within: float = 0.015) -> None:
             }""",
             arg=[number, list(xy), within],
             timeout=30_000,
+            polling=POLLING,
         )
     except timeout_error():
         raise AssertionError(f"expected {xy}, got {xy_of(page, number)}: {shown_words(page)}") from None

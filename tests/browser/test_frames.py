@@ -10,8 +10,9 @@ import nbformat
 import pytest
 from axe import violations
 from explorers import EXPLORER, PICTURE, attributes_of, led, lessons_with_explorers
-from lab_server import ROOT, new_context
+from lab_server import POLLING, ROOT, new_context
 from rings import ring_of
+from window import ALL_ARE_KEPT, take_screenshot
 
 SHOTS = ROOT / "build" / "screenshots"
 FROZEN = re.compile(r"frozen\((.*)\), el: place")
@@ -20,6 +21,7 @@ PLACES = """(root, names) => {
     const place = (each) => Number(each.selectedIndex ?? each.value);
     return Object.fromEntries(names.map((name) => [name, place(root.querySelector(`[data-control=${name}]`))]));
 }"""
+SHOWN = f"(root, names) => [({PICTURE})(root), ({PLACES})(root, names)]"
 BUDGET = 1_500_000  # bytes of a lesson
 PHONE, NARROW, LAPTOP = 390, 800, 1280  # px
 
@@ -39,6 +41,7 @@ class Framed:
         self.page, self.controls, self.frames = page, data["controls"], data["frames"]
         self.first = next(each for each in self.frames if "first" in each)
         self.root = page.locator(EXPLORER).nth(number)
+        self.handle = self.root.element_handle()
 
     def locator(self, control: dict):
         return self.root.locator(f"[data-control={control['name']}]")
@@ -50,9 +53,9 @@ class Framed:
     def size(self, control: dict) -> int:
         return len(control.get("grid") or control["options"])
 
-    def expected(self) -> dict:
-        """The frame for what the controls show; the last control is the fastest."""
-        place, named = 0, self.set_to()
+    def expected(self, named: dict) -> dict:
+        """The frame for what the controls are set to; the last control is the fastest."""
+        place = 0
         for control in self.controls:
             place = place * self.size(control) + named[control["name"]]
         frame = self.frames[place]
@@ -71,11 +74,16 @@ class Framed:
 
     def compare(self) -> str:
         """See that words and picture are those of the frame; returns the words."""
-        shown, frame = self.root.evaluate(PICTURE), self.expected()
+        return self.compared()[0]
+
+    def compared(self) -> tuple[str, dict]:
+        """The same; and what the controls are set to, which the same question to the page tells."""
+        shown, named = self.handle.evaluate(SHOWN, [each["name"] for each in self.controls])
+        frame = self.expected(named)
         assert shown["words"] == shown["alt"] == frame["words"]
         source = shown["source"] if isinstance(shown["source"], str) else sorted(shown["source"], key=str)
         assert source == self.source(frame), f"not the picture of {frame['words']}"
-        return frame["words"]
+        return frame["words"], named
 
     def walk(self, control: dict) -> set[str]:
         """Press arrow keys through all values, and back to where it stood; the words that are shown."""
@@ -84,9 +92,10 @@ class Framed:
         here.press("Home")
         told, before = {self.compare()}, 0
         for k in [*range(1, last + 1), *range(last - 1, start - 1, -1)]:
-            here.press(keys[k < before])
-            assert self.index(control) == k
-            told.add(self.compare())
+            self.page.keyboard.press(keys[k < before])
+            words, named = self.compared()
+            assert named[control["name"]] == k
+            told.add(words)
             before = k
         return told
 
@@ -116,7 +125,7 @@ class Framed:
 
     def set_to(self) -> dict:
         """By name the place of each control, which a single question to the page tells."""
-        return self.root.evaluate(PLACES, [each["name"] for each in self.controls])
+        return self.handle.evaluate(PLACES, [each["name"] for each in self.controls])
 
 
 @pytest.fixture(scope="module")
@@ -165,7 +174,9 @@ def test_every_slider_follows_mouse_and_finger(framed):
                 explorer.compare()
                 assert explorer.index(control) == explorer.size(control) - 1
                 page.touchscreen.tap(box["x"] + 3, middle)
-                page.wait_for_function("each => each.value === '0'", arg=explorer.locator(control).element_handle())
+                page.wait_for_function(
+                    "each => each.value === '0'", arg=explorer.locator(control).element_handle(), polling=POLLING
+                )
                 explorer.compare()
 
 
@@ -187,7 +198,7 @@ def test_a_ring_goes_where_a_hand_leads_it(framed, hand):
             locator.scroll_into_view_if_needed()
             x, y, wanted = max(stops, key=lambda each: abs(each[0] - ring.xy[0]) + abs(each[1] - ring.xy[1]))
             led(page, locator, [(0.5 * (x + ring.xy[0]), 0.5 * (y + ring.xy[1])), (x, y)], hand)
-            page.wait_for_function("() => new Promise((done) => setTimeout(() => done(true), 50))")
+            page.wait_for_function("() => new Promise((done) => setTimeout(() => done(true), 50))", polling=POLLING)
             assert explorer.set_to().items() >= wanted.items()
             explorer.compare()
             some += 1
@@ -259,9 +270,9 @@ def test_the_page_can_be_read_on_a_phone_and_on_a_laptop(framed, request):
         for explorer in explorers:
             picture = explorer.root.locator("figure :is(img, svg)")
             assert picture.bounding_box()["width"] > 0.6 * min(width, 600)
-        SHOTS.mkdir(parents=True, exist_ok=True)
-        number = request.node.callspec.params["framed"][:2]
-        page.screenshot(path=SHOTS / f"frames_{number}_{width}.png")
+        if ALL_ARE_KEPT:
+            number = request.node.callspec.params["framed"][:2]
+            take_screenshot(page, SHOTS / f"frames_{number}_{width}.png")
 
 
 @every_lesson

@@ -5,7 +5,6 @@ the hand is seen in ``test_lesson_explorers`` and ``test_frames``. Screenshots o
 ``NPSLAM_TEACH_SCREENSHOTS`` is set, are left in ``build/screenshots``.
 """
 
-import os
 import shutil
 
 import pytest
@@ -20,7 +19,7 @@ from lab_server import (
     wait_until_idle,
     wait_until_shown,
 )
-from window import LAPTOP, NARROW, PROJECTOR, Window
+from window import ALL_ARE_KEPT, LAPTOP, NARROW, PROJECTOR, Window
 
 LESSONS = sorted(path.name for path in (ROOT / "notebooks").glob("[0-9]*.ipynb"))
 # The first that a student runs, and one whose code moves its explorer. The drawing page runs in ``test_draw_world``.
@@ -41,10 +40,13 @@ def reader(chromium, lab):
 
 @pytest.fixture(scope="module")
 def committed(request, reader, lab):
-    """(name, page): a lesson that was opened and not run; what is shown is what is committed."""
+    """(name, page): a lesson that was opened and not run; what is shown is what is committed.
+
+    No cell runs, so that all have the kernel of the notebook that the page was opened with.
+    """
     name = f"committed_{request.param}"
     shutil.copy(ROOT / "notebooks" / request.param, lab.folder / "notebooks" / name)
-    open_instead(reader, name)
+    open_instead(reader, name, shares_kernel=True)
     wait_until_shown(reader, lab, name)
     return name, reader
 
@@ -66,7 +68,7 @@ def complaints(page, name: str, width: int) -> list[str]:
     """What cannot be read at this width, with a screenshot of it."""
     with Window(page, width) as window:
         found = window.complaints()
-        if found or "NPSLAM_TEACH_SCREENSHOTS" in os.environ:
+        if found or ALL_ARE_KEPT:
             window.screenshot(SHOTS / f"{name.split('.')[0]}_{width}.png")
     return found
 

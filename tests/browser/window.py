@@ -1,10 +1,18 @@
 """The notebook in front in windows of several widths: can all of it be read?"""
 
+import os
 from pathlib import Path
 
 LAYOUT = (Path(__file__).parent / "layout.js").read_text(encoding="utf-8")
 NARROW, LAPTOP, PROJECTOR = 800, 1400, 1920  # px
 HIGHEST = 16_000  # px: what Chromium can take a picture of
+ALL_ARE_KEPT = "NPSLAM_TEACH_SCREENSHOTS" in os.environ
+
+
+def take_screenshot(page, path: Path) -> None:
+    """Of what is in the window; to draw a page once more takes longer than to measure it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    page.screenshot(path=path)
 
 
 class Window:
@@ -34,5 +42,4 @@ class Window:
 
     def screenshot(self, path: Path) -> None:
         """Of the whole notebook."""
-        path.parent.mkdir(parents=True, exist_ok=True)
-        self.page.screenshot(path=path)
+        take_screenshot(self.page, path)

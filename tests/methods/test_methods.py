@@ -11,6 +11,7 @@ import pytest
 from npslam_teach import association, evaluation, pose_graph, se2, simulate
 from npslam_teach.association import PAPER_KERNEL_STD
 from npslam_teach.methods import METHODS, frame_by_frame, np_graph, open_loop, robust_slam
+from npslam_teach.methods.open_loop import join_earlier_observations
 from npslam_teach.types import RobotLog, World
 
 CONSISTENT = {"observation_std": (PAPER_KERNEL_STD, PAPER_KERNEL_STD)}
@@ -188,6 +189,20 @@ def test_open_loop_joins_the_nearest_earlier_observation_of_the_class():
     *_, last = open_loop(log)
     np.testing.assert_array_equal(last.labels, [0, 0, 1, 0, 2])
     np.testing.assert_allclose(last.graph.landmarks, [[1.1, 0], [1.05, 0], [3.0, 0]])
+
+
+@pytest.mark.parametrize("pairs", [1, 50, 100_000])
+def test_open_loop_compares_blocks_of_any_size_alike(pairs, monkeypatch):
+    """With one observation after the other as the docstring says it."""
+    monkeypatch.setitem(join_earlier_observations.__globals__, "PAIRS", pairs)
+    rng, labels = np.random.default_rng(0), []
+    xy, classes = rng.uniform(0, 2, (60, 2)), rng.integers(0, 2, 60)
+    for k in range(60):
+        weights = (classes[:k] == classes[k]) * np.exp(-4 * np.linalg.norm(xy[:k] - xy[k], axis=1) ** 2)
+        joins = weights.max(initial=0.0) > 0.8
+        labels.append(labels[np.argmax(weights)] if joins else max(labels, default=-1) + 1)
+    assert 10 < max(labels) < 50
+    assert join_earlier_observations(xy, classes, 0.8, 8**-0.5).tolist() == labels
 
 
 def test_robust_slam_has_one_object_per_class_and_leaves_out_the_rest():

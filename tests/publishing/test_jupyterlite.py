@@ -290,7 +290,7 @@ def test_what_a_failed_step_said_is_handed_on(tmp_path):
         jupyterlite._run(["pip", "wheel", "--no-such-option"], tmp_path)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def server(site):
     """The site on a port of this machine."""
     handler = functools.partial(QuietHandler, directory=str(site))
@@ -305,11 +305,14 @@ class QuietHandler(http.server.SimpleHTTPRequestHandler):
         """Say nothing."""
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def tab(server):
-    """A browser's tab on the first lesson, cut off from other machines; ``tab.elsewhere`` is what it asked them for."""
+    """A browser's tab on the first lesson, cut off from other machines; ``tab.elsewhere`` is what it asked them for.
+
+    One for both tests that need it: Python in the browser takes ten seconds of the processor to start.
+    """
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    program = shutil.which("chromium") or shutil.which("google-chrome")
+    program = next(filter(None, map(shutil.which, ("chromium-headless-shell", "chromium", "google-chrome"))), None)
     if program is None:
         pytest.skip("there is no chromium")
     with playwright.sync_playwright() as started:

@@ -71,6 +71,6 @@ predict = questions(
         ["some objects are never joined again", "objects are merged wrongly", "nothing changes"],
         right=0,
         mistake=("To take a cautious robot for a safe one. What it does not join, it cannot use to correct its drift."),
-        alts=["Numbers of objects for three values of alpha; the larger alpha, the more objects in some rooms."],
+        alts=["Numbers of objects for two values of alpha; the larger alpha, the more objects in some rooms."],
     ),
 )

@@ -46,7 +46,9 @@ def refined(model: Model, state: State, rng: np.random.Generator) -> Found:
 
 
 def confirmed(model: Model, labels: np.ndarray, graph: PoseGraph) -> np.ndarray:
-    """Labels (M,) from 0 without gaps, without objects of what was left out of the tracklets, but where they pay.
+    """Labels (M,) from 0 without gaps, without objects of what was left out of the tracklets.
+
+    One that was seen in more than one pass is no slip of the detector, and stays where that pays.
 
     Args:
         model: with the tracklets as they were before any cut.
@@ -55,11 +57,12 @@ def confirmed(model: Model, labels: np.ndarray, graph: PoseGraph) -> np.ndarray:
     """
     stays = tied_twice(labels, model.tracklet)
     left = with_objects(model.log, graph, labels, stays)
-    several = np.bincount(labels[labels >= 0], minlength=len(stays)) > 1
-    if _is_long(model) or not (several & ~stays).any():
+    of_object = labels[first_observations(passes_of(labels, model.log.obs_time)[0])]
+    seen_again = np.bincount(of_object[of_object >= 0], minlength=len(stays)) > 1
+    if _is_long(model) or not (seen_again & ~stays).any():
         return left
     best = scored(model, left, graph.poses)
-    for k in np.flatnonzero(several & ~stays):
+    for k in np.flatnonzero(seen_again & ~stays):
         with_it = stays | (np.arange(len(stays)) == k)
         again = scored(model, with_objects(model.log, graph, labels, with_it), graph.poses)
         if again.score > best.score:

@@ -27,7 +27,8 @@ from npslam_teach.methods.noise import with_noise
 from npslam_teach.methods.oriented import ChainHeadings, without_headings
 from npslam_teach.methods.partition_score import without_displaced
 from npslam_teach.methods.polish import polished
-from npslam_teach.methods.refinement import confirmed, refined
+from npslam_teach.methods.refinement import refined
+from npslam_teach.methods.repair import confirmed
 from npslam_teach.methods.snapshots import initial_snapshot, snapshot
 from npslam_teach.methods.tracklets import tied_both_ways
 from npslam_teach.pose_graph import fit, with_associations
@@ -136,7 +137,7 @@ def _search(log: RobotLog, alpha: float, area: float | None, starts: int, seed: 
         labels, graph = model.of_observations(best.labels), best.graph
     else:
         labels, graph, _ = refined(model, state, np.random.default_rng([seed, starts]))
-        labels = confirmed(model, without_displaced(model, labels, graph), graph)
+        labels = confirmed(log, graph, without_displaced(model, labels, graph), model.tracklet)
     yield labels, fit(log, labels, graph.poses)
 
 

@@ -14,8 +14,7 @@ from npslam_teach.methods.exchanges import with_exchanges
 from npslam_teach.methods.partition_score import Found, scored
 from npslam_teach.methods.pass_moves import with_moved_passes
 from npslam_teach.methods.persistence import passes_of
-from npslam_teach.methods.repair import attached, tied_twice, with_objects
-from npslam_teach.types import PoseGraph
+from npslam_teach.methods.repair import attached
 
 WARM, STIRS, ROUNDS = (3.0, 1.0, 0.3, 0.1), 4, 3
 SAME = 1e-3  # of the log posterior
@@ -31,7 +30,7 @@ def refined(model: Model, state: State, rng: np.random.Generator) -> Found:
         rng: the generator.
     """
     best = scored(model, _with_left_out(model, state), state.graph.poses)
-    if _is_long(model):
+    if len(model.rivals) * model.log.num_poses > MOST_POSES:
         return best
     best = _improved(model, best)
     for _ in range(STIRS):
@@ -43,35 +42,6 @@ def refined(model: Model, state: State, rng: np.random.Generator) -> Found:
             break
         best = max(best, again, key=lambda each: each.score)
     return best
-
-
-def confirmed(model: Model, labels: np.ndarray, graph: PoseGraph) -> np.ndarray:
-    """Labels (M,) from 0 without gaps, without objects of what was left out of the tracklets.
-
-    One that was seen in more than one pass is no slip of the detector, and stays where that pays.
-
-    Args:
-        model: with the tracklets as they were before any cut.
-        labels: (M,) the object of each observation, -1 = of none.
-        graph: one landmark for every object of a partition that these labels coarsen or keep.
-    """
-    stays = tied_twice(labels, model.tracklet)
-    left = with_objects(model.log, graph, labels, stays)
-    of_object = labels[first_observations(passes_of(labels, model.log.obs_time)[0])]
-    seen_again = np.bincount(of_object[of_object >= 0], minlength=len(stays)) > 1
-    if _is_long(model) or not (seen_again & ~stays).any():
-        return left
-    best = scored(model, left, graph.poses)
-    for k in np.flatnonzero(seen_again & ~stays):
-        with_it = stays | (np.arange(len(stays)) == k)
-        again = scored(model, with_objects(model.log, graph, labels, with_it), graph.poses)
-        if again.score > best.score:
-            stays, best = with_it, again
-    return best.labels
-
-
-def _is_long(model: Model) -> bool:
-    return len(model.rivals) * model.log.num_poses > MOST_POSES
 
 
 def _improved(model: Model, found: Found) -> Found:

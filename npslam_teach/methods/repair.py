@@ -81,32 +81,24 @@ def outlier_share(log: RobotLog, graph: PoseGraph, labels: np.ndarray) -> float:
     return float(share - chance) if share > chance + 3 * np.sqrt(chance * GATE / len(used)) else 0.0
 
 
-def tied_twice(labels: np.ndarray, tracklet: np.ndarray) -> np.ndarray:
-    """Objects of which at least two observations were tied or clearly new: (K,) bool.
+def confirmed(log: RobotLog, graph: PoseGraph, labels: np.ndarray, tracklet: np.ndarray) -> np.ndarray:
+    """Without objects of which fewer than two observations were ever tied or clearly new.
 
     An observation that was left out of the tracklets is too near to something in view to be new, and too far from it to
-    be tied. Alone it does not make an object, and neither does what was seen a single time.
-
-    Args:
-        labels: (M,) the object of each observation, -1 = of none.
-        tracklet: (M,) the tracklet of each observation, -1 = left out.
-    """
-    return np.bincount(labels[(tracklet >= 0) & (labels >= 0)], minlength=labels.max(initial=-1) + 1) >= 2
-
-
-def with_objects(log: RobotLog, graph: PoseGraph, labels: np.ndarray, stays: np.ndarray) -> np.ndarray:
-    """Without the other objects: each of their observations goes to the nearest that is free in its frame, if any.
+    be tied. It does not make an object: it goes to the nearest that is free in its frame and within the gate, or is
+    clutter. So does what was seen a single time.
 
     Args:
         log: what was measured.
         graph: one landmark for every object of a partition that these labels coarsen or keep.
         labels: (M,) the object of each observation, -1 = of none.
-        stays: (K,) bool.
+        tracklet: (M,) the tracklet of each observation, -1 = left out.
 
     Returns:
-        (M,) labels from 0 without gaps; -1 = beyond the gate: clutter.
+        (M,) labels from 0 without gaps.
     """
-    kept = np.flatnonzero(stays)
+    tied = np.bincount(labels[(tracklet >= 0) & (labels >= 0)], minlength=labels.max(initial=-1) + 1)
+    kept = np.flatnonzero(tied >= 2)
     found = np.where(np.isin(labels, kept), labels, -1)
     places = se2.apply(graph.poses[log.obs_time], log.obs_xy)
     seen = reports(log)

@@ -7,7 +7,6 @@ import pytest
 
 from npslam_teach.methods.annealing import Model, rivals_of
 from npslam_teach.methods.partition_score import without_displaced
-from npslam_teach.methods.refinement import confirmed
 from npslam_teach.methods.repair import outlier_share
 from npslam_teach.pose_graph import fit
 from npslam_teach.types import BetweenFactors, ObservationFactors, PoseGraph, RobotLog
@@ -57,18 +56,3 @@ def test_a_displaced_pass_is_joined_where_outliers_are_few_and_known(monkeypatch
     model = Model(log, labels, rivals_of(log, labels), 1.0, 100.0)
     monkeypatch.setattr(sys.modules[without_displaced.__module__], "outlier_share", lambda *_: share)
     assert without_displaced(model, labels, fit(log, labels)).max() + 1 == objects
-
-
-@pytest.mark.parametrize(("times", "objects"), [([*range(6), *range(30, 36)], 2), (range(12), 1), ([3], 1)])
-def test_what_was_left_out_makes_an_object_where_it_is_seen_again(times, objects):
-    """Beside a thing in view it is never clearly new; seen in another pass it is no slip of the detector."""
-    rng = np.random.default_rng(0)
-    time, labels = np.append(np.arange(40), times), np.repeat([0, 1], [40, len(times)])
-    order = np.argsort(time, kind="stable")
-    time, labels = time[order].astype(int), labels[order]
-    xy = np.where(labels[:, None] == 0, [2.0, 0.0], [2.0, 0.5]) + rng.normal(size=(len(time), 2)) * STD
-    log = RobotLog(np.zeros((39, 3)), time, xy, np.zeros(len(time), int), 1, (0.001,) * 3, STD)
-    tracklet = np.where(labels == 0, 0, -1)
-    model = Model(log, tracklet, rivals_of(log, tracklet), 1.0, 100.0)
-    found = confirmed(model, labels, fit(log, labels))
-    assert found.tolist() == (labels if objects == 2 else np.where(labels == 0, 0, -1)).tolist()

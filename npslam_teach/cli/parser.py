@@ -107,7 +107,7 @@ def _add_fetch(subparsers) -> None:
 
 def _add_test(subparsers) -> None:
     test = _add(subparsers, "test", "run all tests, notebooks included; further arguments go to pytest")
-    what = "only the mathematics, the files and the command line: less than two minutes instead of 13"
+    what = "only the mathematics, the files and the command line: less than two minutes instead of 11"
     test.add_argument("--quick", action="store_true", help=what)
 
 

@@ -73,7 +73,7 @@ def test_a_loop_that_is_left_early_gives_the_bar_back():
 COUNTS = {
     "np-graph": "iterations",
     "ekf": "frames",
-    "open-loop": "observations",
+    "open-loop": "blocks",
     "robust-slam": "observations",
     "frame-by-frame": None,
     "posterior": "searches",

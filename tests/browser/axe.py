@@ -10,9 +10,8 @@ OF_THE_TEMPLATE = {
     "color-contrast": (".jp-InputPrompt", ".jp-OutputPrompt", ".highlight", ".jp-MarkdownOutput:not(:has([style]))"),
     "link-in-text-block": (".jp-RenderedHTMLCommon a",),  # links are blue, and underlined under the mouse alone
 }
-LESS_THAN_SERIOUS = (
-    "region",
-)  # whatever it finds is moderate, and it takes a third of the time of all others together
+# Whatever it finds is moderate, and it takes a third of the time of all others together.
+LESS_THAN_SERIOUS = ("region",)
 
 
 def violations(page, context=None) -> list[str]:

@@ -22,7 +22,7 @@ from npslam_teach.pose_graph import fit
 from npslam_teach.pose_graph.reduced_system import reduced_system
 from npslam_teach.types import RobotLog, Snapshot
 
-RECORDINGS = ("mrclam6r1_c5", "mrclam6r3raw_c5", "mrclam6r4_c5")  # right only with moved passes and guests that go
+RECORDINGS = "mrclam6r1_c5 mrclam6r2_c5 mrclam6r3_c5 mrclam6r3raw_c5 mrclam6r4_c5 mrclam6r5_c5".split()
 
 
 def last_of(log, **settings):

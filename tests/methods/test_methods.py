@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from beginnings import first_poses
 
 from npslam_teach import association, evaluation, pose_graph, se2, simulate
 from npslam_teach.association import PAPER_KERNEL_STD
@@ -26,9 +27,7 @@ def scene():
 def beginning():
     """Three hundred of the seven hundred poses of ``scene``: there are methods that take seconds for the whole."""
     log, _ = simulate.fifteen_objects(seed=0)
-    seen = log.obs_time < 300
-    fields = {name: getattr(log, name)[seen] for name in ("obs_time", "obs_xy", "obs_class")}
-    return replace(log, odometry=log.odometry[:299], **fields)
+    return first_poses(log, 300)
 
 
 @functools.cache

@@ -1,9 +1,11 @@
 """The noise that a log itself shows: of known noise, of wrong claims, of errors that last, and with outliers."""
 
+import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from beginnings import first_poses
 
 from npslam_teach import simulate
 from npslam_teach.methods import estimate_noise
@@ -23,9 +25,7 @@ def known(log, truth, claim=1.0):
 def test_whatever_a_log_claims_its_noise_is_found():
     """Who is who is not known either. The beginning of a room at twice the noise; it takes three rounds from 2.5."""
     log, _ = simulate.fifteen_objects(2, noise=2.0)
-    seen = log.obs_time < 200
-    fields = {name: getattr(log, name)[seen] for name in ("obs_time", "obs_xy", "obs_class")}
-    log = replace(log, odometry=log.odometry[:199], **fields)
+    log = first_poses(log, 200)
     wrong = with_noise(log, 2.5 * log.odometry_std, 2.5 * log.observation_std)
     estimate = estimate_noise(wrong)
     assert estimate.converged and estimate.is_white and estimate.rounds > 2
@@ -33,6 +33,21 @@ def test_whatever_a_log_claims_its_noise_is_found():
     np.testing.assert_allclose(estimate.observation_std, log.observation_std, rtol=0.06)
     assert estimate.outlier_share < 0.005
     np.testing.assert_array_equal(estimate.applied_to(wrong).observation_std, estimate.observation_std)
+
+
+def test_every_round_draws_alike(monkeypatch):
+    """Rounds that choose other observations of the passes would differ, and go on, by the luck of the draw."""
+    module, begins = sys.modules[_given_labels.__module__], []
+
+    def given_labels(log, labels, poses, number, rng):
+        begins.append(rng.bit_generator.state["state"]["state"])
+        return _given_labels(log, labels, poses, number, rng)
+
+    monkeypatch.setattr(module, "_given_labels", given_labels)
+    log, _ = simulate.fifteen_objects(2, noise=2.0)
+    log = first_poses(log, 150)
+    estimate_noise(with_noise(log, 2.5 * log.odometry_std, 2.5 * log.observation_std), rounds=2)
+    assert len(begins) == 2 and len(set(begins)) == 1
 
 
 @pytest.mark.parametrize("claim", [0.3, 3.0])

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from beginnings import first_poses
 from scipy.stats import chi2 as chi_squared
 from scipy.stats import multivariate_normal
 
@@ -34,13 +35,6 @@ def sharp():
     return hall(0, 10.0)
 
 
-def first_poses(log, count=80):
-    """The beginning of a log: a sampler needs less time for it."""
-    rows = log.obs_time < count
-    cut = {name: getattr(log, name)[rows] for name in ("obs_time", "obs_xy", "obs_class", "obs_theta")}
-    return replace(log, odometry=log.odometry[: count - 1], **cut)
-
-
 def last_of(name, log):
     settings = settings_for(log) if name == "np-graph" else {}
     return list(METHODS[name](log, **settings))[-1]
@@ -50,7 +44,7 @@ def last_of(name, log):
 def beginning():
     """Eighty poses of ``sharp``, which see every object, and their truth."""
     log, truth = hall(0, 10.0)
-    cut = first_poses(log)
+    cut = first_poses(log, 80)
     return cut, replace(truth, poses=truth.poses[: cut.num_poses], obs_object=truth.obs_object[: cut.num_observations])
 
 
@@ -107,7 +101,7 @@ def test_what_looks_alike_is_the_same(name):
 
 
 def test_the_order_of_the_lines_says_nothing(sharp):
-    log = first_poses(sharp[0])
+    log = first_poses(sharp[0], 80)
     order = np.lexsort((np.random.default_rng(3).random(log.num_observations), log.obs_time))
     rows = {name: getattr(log, name)[order] for name in ("obs_time", "obs_xy", "obs_class", "obs_theta")}
     *_, first = posterior(log, starts=2)

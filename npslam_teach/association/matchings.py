@@ -43,8 +43,13 @@ def matching_probabilities(weights: np.ndarray) -> np.ndarray:
     Args:
         weights: (m, K), of each pair, relative to "no object"; 0 where a pair is out of the question.
     """
-    probabilities = np.zeros(weights.shape)
-    for rows, columns in _groups(weights > 0):
+    probabilities, possible = np.zeros(weights.shape), weights > 0
+    alone = ~(possible & (possible.sum(axis=0) > 1)).any(axis=1)  # nobody competes with these for any object
+    # Added up in the order of ``_exact``, so that both say the same to the last digit.
+    total = np.cumsum(np.column_stack([np.ones(alone.sum()), weights[alone, ::-1]]), axis=1)[:, -1:]
+    probabilities[alone] = weights[alone] / total
+    possible[alone] = False
+    for rows, columns in _groups(possible):
         own = weights[np.ix_(rows, columns)]
         found = _exact(own) if len(rows) <= MOST_TOGETHER else own / (1.0 + own.sum(axis=1, keepdims=True))
         probabilities[np.ix_(rows, columns)] = found

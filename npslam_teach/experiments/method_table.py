@@ -8,7 +8,7 @@ all of them with commas between:
         --out RESULTS/methods.csv
     python3 -m npslam_teach sweep --methods METHODS --settings sensor --noise 0 --seeds 1 --scenes RECORDINGS \
         --out RESULTS/recordings.csv
-    python3 -m npslam_teach.experiments.method_table RESULTS
+    python3 -m npslam_teach.experiments.method_table RESULTS npslam_teach/course/online/methods.csv
 
 A run is *exact* when it finds exactly the true number of objects with an
 adjusted Rand index of at least 0.99 over all observations, those that it leaves out included.
@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from npslam_teach import simulate
+from npslam_teach.experiments import method_summary, tables
 from npslam_teach.experiments.executors import local_pool
 from npslam_teach.experiments.runs import run_method
 from npslam_teach.experiments.sweep import is_right
@@ -120,13 +121,21 @@ def _line(status: Path, name: str) -> int:
     return next(int(line.split()[1]) for line in status.read_text().splitlines() if line.startswith(name))
 
 
-def main(results: str) -> None:
-    """Write ``methods.md`` beside the rows of the sweeps; lesson 15, README and guide show the same table."""
+def main(results: str, summary: str) -> None:
+    """Write ``methods.md`` beside the rows of the sweeps, and the summary that lesson 15 draws.
+
+    Lesson 15, README and guide show the same table.
+
+    Args:
+        results: the folder of the rows.
+        summary: the file of the summary.
+    """
     folder = Path(results)
     rows, recordings = read_rows(folder / "methods.csv"), read_rows(folder / "recordings.csv", may_be_missing=True)
     text = markdown(rows, recordings, {name: megabytes_of(name) for name in dict.fromkeys(r["method"] for r in rows)})
     with atomic_write(folder / "methods.md") as stream:
         stream.write(text)
+    tables.write_table(method_summary.summary(rows), method_summary.COLUMNS, Path(summary))
 
 
 if __name__ == "__main__":

@@ -212,10 +212,10 @@ def test_the_gate_parts_what_is_drawn():
     assert_texts_inside(figure)
 
 
-def test_visits_are_drawn_beside_their_drift():
+def test_passes_are_drawn_beside_their_drift():
     figure, ax = plotting.new_figure()
     seen, drift = np.array([[0.1, 0.2], [0.5, 0.4]]), np.array([0.0, 0.3])
-    pictures.plot_visits(ax, seen, drift)
+    pictures.plot_passes(ax, seen, drift)
     np.testing.assert_allclose([line.get_ydata() for line in ax.lines[1:3]], seen)
     np.testing.assert_allclose(ax.lines[3].get_ydata(), drift)
     assert_texts_inside(figure)

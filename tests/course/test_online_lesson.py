@@ -8,7 +8,8 @@ from readable import assert_readable
 from npslam_teach import plotting
 from npslam_teach.course.online import drives, figures, pictures, table
 from npslam_teach.course.online.explorer import explore_drive
-from npslam_teach.methods import online
+from npslam_teach.evaluation import wilson_interval
+from npslam_teach.methods import METHODS, online
 from npslam_teach.simulate import toy_objects
 
 CHECKS, solution = checks_and_solutions("15_online")
@@ -74,6 +75,23 @@ def test_runs_are_those_of_the_table():
         np.testing.assert_array_equal(line.get_ydata(), table.column(name, "online", 9, 0))
     figure = pictures.times_figure([("told", 9, 0)])
     np.testing.assert_array_equal(figure.axes[0].lines[0].get_ydata(), table.column("median_ms", "told", 9, 0))
+
+
+def test_methods_have_their_shares_and_seconds():
+    rows = table.all_methods()
+    figure = pictures.methods_figure(rows)
+    left, right = figure.axes
+    for k, container in enumerate(left.containers):
+        own = [row for row in rows if row["method"] == container.get_label()]
+        exact, runs = (np.array([row[key] for row in own]) for key in ("exact", "runs"))
+        np.testing.assert_array_equal(container[0].get_ydata(), exact / runs)
+        ends = np.array([bar[:, 1] for bar in container[2][0].get_segments()])
+        np.testing.assert_allclose(ends.T, wilson_interval(exact, runs))
+        assert right.get_yticklabels()[k].get_text() == own[0]["method"]
+        assert right.lines[k].get_xydata().tolist() == [[own[0]["seconds"], k]]
+    assert len(left.containers) == len(METHODS)
+    assert left.get_title() == "posterior is exact in 97 of 100 runs; the next, online, in 65"
+    assert_readable(figure)
 
 
 def test_drives_keep_their_books():

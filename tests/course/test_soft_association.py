@@ -147,6 +147,16 @@ def test_runs_are_medians_of_the_table(ax, quantity):
     assert ax.get_title() == f"50% wrong: np-graph {ends[0]:.2g}, soft-em {ends[1]:.2g}"
 
 
+def test_marks_of_one_value_stand_side_by_side(ax):
+    cases = ("np-graph", "ekf hard", "ekf", "soft-em", "posterior")
+    pictures.plot_runs(ax, "objects", cases)
+    ax.figure.canvas.draw()
+    places = np.sort(np.concatenate([ax.transData.transform(each[0].get_xydata())[:, 0] for each in ax.containers]))
+    assert len(places) == len(cases) * len(SHARES)
+    widest = max(each[0].get_markersize() for each in ax.containers) * ax.figure.dpi / 72
+    assert np.diff(places).min() > widest
+
+
 def test_what_is_left_of_the_gate_is_drawn():
     figure = pictures.gates_figure({0.3: np.array([3.4, 2.7]), 0.01: np.array([3.5, 0.7])})
     (ax,) = figure.axes

@@ -293,6 +293,16 @@ def test_the_chairs_of_the_corridor_are_densities():
     assert_readable(figure)
 
 
+def test_what_two_share_is_not_in_their_difference():
+    shared, own = np.diag([0.16, 0.09]), 0.01 * np.eye(2)
+    figure = hand_pictures.shared_drift_figure(np.array([shared + own, shared + own]), 2 * own)
+    (ax,) = figure.axes
+    wide = [np.ptp(line.get_xdata()) for line in ax.lines]
+    np.testing.assert_allclose(wide, 2 * np.sqrt(-2 * np.log(0.05) * np.array([0.17, 0.17, 0.02])), rtol=1e-3)
+    assert ax.get_legend().get_texts()[2].get_text() == "8 less 7: std in x 0.14 m"
+    assert_readable(figure)
+
+
 def test_atoms_are_as_large_as_their_weights(ax):
     pictures.plot_atoms(ax, np.array([0.75, 0.25]), np.array([[1.0, 1], [2, 2]]), "a world")
     sizes = ax.collections[0].get_sizes()

@@ -352,10 +352,14 @@ def test_the_method_falls_to_nothing_and_no_setting_holds_it_up():
     for setting in ("alpha", "threshold", "kernel_std"):
         assert max(shares(case, (3.0,))[0] for case in table.swept(setting).values()) <= 3
     assert shares("np-graph sensor")[2] <= 3
+    for noise in table.noises_of("np-graph repeated"):
+        alone, both = (table.right_of(f"np-graph {kind}", noise) for kind in ("repeated", "sensor"))
+        np.testing.assert_array_equal(alone, both, "one object a frame puts no room right")
 
 
 def test_the_right_answer_is_a_resting_place_once_the_kernel_fits_the_camera():
     for case in ("true poses sensor", "true start sensor", "true identities"):
         assert min(shares(case)) >= 28
+    assert min(shares("true poses repeated", (1.0, 2.0, 3.0))) >= 28 and shares("true poses repeated", (4.0,)) == [17]
     assert max(shares("true poses")[2:]) == 0
     assert max(shares("30 rounds sensor")[2:]) <= 3

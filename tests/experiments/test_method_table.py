@@ -4,9 +4,11 @@ import re
 from pathlib import Path
 
 import nbformat
+import numpy as np
 import pytest
 
-from npslam_teach.experiments import method_table
+from npslam_teach.course.online import table
+from npslam_teach.experiments import method_summary, method_table, tables
 from npslam_teach.experiments.sweep import COLUMNS
 from npslam_teach.experiments.sweep_files import read_rows
 from npslam_teach.methods import METHODS
@@ -56,6 +58,33 @@ def test_the_committed_table_is_that_of_the_committed_rows():
     assert committed == method_table.markdown(rows, real, megabytes)
 
 
+def test_the_summary_counts_exact_runs_in_the_order_of_the_methods():
+    rows = [row("posterior", 1.0, seed, 15, ari, seconds=0.1 + seed) for seed, ari in enumerate((1.0, 0.9, 1.0))]
+    rows += [row("ekf", 3.0, 0, 14, 1.0), row("ekf", 1.0, 0, 15, 1.0, seconds=None)]
+    first, second, third = method_summary.summary(rows)
+    assert {key: first[key] for key in ("method", "noise", "runs", "exact")} == dict(
+        method="ekf", noise=1.0, runs=1, exact=1
+    )
+    assert np.isnan(first["seconds"]), "nobody has measured it"
+    assert second == {"method": "ekf", "noise": 3.0, "runs": 1, "exact": 0, "seconds": 0.25}
+    assert third == {"method": "posterior", "noise": 1.0, "runs": 3, "exact": 2, "seconds": 1.1}
+
+
+def test_the_lesson_draws_the_committed_rows():
+    committed = table.METHODS_FILE.read_text(encoding="utf-8")
+    assert list(table.all_methods()) == method_summary.summary(read_rows(RESULTS / "methods.csv"))
+    assert committed.splitlines()[0] == ",".join(method_summary.COLUMNS)
+
+
+def test_the_table_and_the_summary_are_written(tmp_path, monkeypatch):
+    monkeypatch.setattr(method_table, "megabytes_of", lambda name: 1.0)
+    rows = [row("ekf", 1.0, 0, 15, 1.0)]
+    tables.write_table(rows, COLUMNS, tmp_path / "methods.csv")
+    method_table.main(tmp_path, tmp_path / "summary.csv")
+    assert cells((tmp_path / "methods.md").read_text(encoding="utf-8"))["ekf"][2] == "1 of 1"
+    assert method_summary.read_summary(tmp_path / "summary.csv") == method_summary.summary(rows)
+
+
 def words_of(page):
     """The text of a page; of a lesson, that of its cells."""
     if page.suffix == ".ipynb":
@@ -65,5 +94,5 @@ def words_of(page):
 
 @pytest.mark.parametrize("page", ["README.md", "notebooks/teaching_guide.md", "notebooks/15_online.ipynb"])
 def test_pages_show_the_committed_table(page):
-    table = re.search(r"(^\|.*\n)+", (RESULTS / "methods.md").read_text(encoding="utf-8"), re.MULTILINE).group(0)
-    assert table in words_of(ROOT / page)
+    shown = re.search(r"(^\|.*\n)+", (RESULTS / "methods.md").read_text(encoding="utf-8"), re.MULTILINE).group(0)
+    assert shown in words_of(ROOT / page)

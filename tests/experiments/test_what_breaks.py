@@ -17,11 +17,8 @@ SOME = [
     *(("robust-slam", 1.0, 13), ("frame-by-frame", 4.0, 0), ("alpha 0.5", 2.0, 17), ("threshold 0.1", 1.0, 2)),
     *(("kernel_std 0.7", 4.0, 23), ("order first-to-last", 1.0, 3), ("order 3", 2.0, 19), ("30 rounds", 2.0, 1)),
     *(("30 rounds sensor", 4.0, 8), ("true poses", 3.0, 4), ("true poses sensor", 4.0, 21), ("true start", 3.0, 28)),
-    *(
-        ("true start sensor", 2.0, 14),
-        ("true identities", 4.0, 9),
-        ("posterior", 4.0, 9),
-    ),
+    *(("true start sensor", 2.0, 14), ("true identities", 4.0, 9), ("posterior", 4.0, 9)),
+    *(("np-graph repeated", 4.0, 11), ("true poses repeated", 4.0, 2), ("true start repeated", 3.0, 5)),
 ]
 
 

@@ -77,24 +77,24 @@ def plot_gate(ax: Axes, off: np.ndarray, squared_gate: float, title: str) -> Axe
     return label_axes(ax, "ahead (st. deviations)", "to the left (st. deviations)", title)
 
 
-def plot_visits(ax: Axes, seen: np.ndarray, drift: np.ndarray) -> Axes:
-    """Where one landmark, really at 0, seems to be in several passes, beside the drift of each.
+def plot_passes(ax: Axes, seen: np.ndarray, drift: np.ndarray) -> Axes:
+    """Where one landmark, really at 0, seems to be in its pass of each drive, beside the drift.
 
     Args:
         ax: any axes.
         seen: (P, n) m, the sightings of each pass.
-        drift: (P,) m.
+        drift: (P,) m, of each drive.
     """
     ax.axhline(0.0, label="landmark", **TRUTH_LINE)
     across = np.linspace(-0.3, 0.3, seen.shape[1])
     for k, values in enumerate(seen):
         color, marker = class_style(0)
-        name = "sightings" if k == 0 else None
+        name = "sightings of one pass" if k == 0 else None
         ax.plot(k + across, values, linestyle="none", color=color, marker=marker, markersize=5, label=name)
     look = {"color": ESTIMATE_COLOR, "marker": "_", "markersize": 30, "markeredgewidth": 2.5, "linestyle": "none"}
-    ax.plot(np.arange(len(seen)), drift, label="drift", **look)
+    ax.plot(np.arange(len(seen)), drift, label="drift of the drive", **look)
     legend_beside(ax)
-    return label_axes(ax, "pass (number)", "seen at (m)", "a pass agrees with itself, not with drift or truth")
+    return label_axes(ax, "drive (number)", "seen at (m)", "a pass agrees with itself, not with drift or truth")
 
 
 def plot_growth(ax: Axes, curves: dict, what: str) -> Axes:

@@ -41,7 +41,7 @@ predict = questions(
             "To measure what is easy to measure. Within a pass all sightings share the lasting error, "
             "and it cannot be seen."
         ),
-        alts=["Eight passes: sightings close together, but beside the bar of the drift."],
+        alts=["A pass in each of eight drives: its sightings lie close together, but beside the bar of the drift."],
     ),
     notices=choice(
         "Which notices noise that lasts?",

@@ -1,4 +1,4 @@
-"""Pictures of lesson 15: what elimination leaves, the tree, the work of a frame, and runs through many rooms."""
+"""Pictures of lesson 15: what elimination leaves, the tree, the work of a frame, many rooms, and all methods."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from npslam_teach.course.online import table
+from npslam_teach.evaluation import wilson_interval
 from npslam_teach.plotting.style import (
     CLASS_COLORS,
     ESTIMATE_COLOR,
@@ -174,3 +175,56 @@ def alphas_figure(objects: dict) -> Figure:
     found = "; ".join(f"{alpha:g}: {', '.join(map(str, values))}" for alpha, values in objects.items())
     label_axes(ax, "alpha (objects expected, per object seen)", "objects (number)", found)
     return figure
+
+
+def methods_figure(rows: tuple[dict, ...]) -> Figure:
+    """Every method: how often it is exact at each noise, and what a run costs.
+
+    Args:
+        rows: of ``table.all_methods``.
+    """
+    figure, (left, right) = new_figure(1, 2, (14.0, 5.0), width_ratios=(2.2, 1))
+    plot_exact(left, rows)
+    plot_seconds(right, rows)
+    return legend_below(figure, left.get_legend_handles_labels()[0], columns=8)
+
+
+def plot_exact(ax: Axes, rows: tuple[dict, ...]) -> Axes:
+    """The share of exact runs of each method, with Wilson's interval; at each noise the methods stand side by side."""
+    by_method = _by_method(rows)
+    for k, (name, own) in enumerate(by_method.items()):
+        exact, runs = (np.array([row[key] for row in own]) for key in ("exact", "runs"))
+        low, high = wilson_interval(exact, runs)
+        at, share = np.arange(len(own)) + 0.84 / len(by_method) * (k - (len(by_method) - 1) / 2), exact / runs
+        ax.errorbar(at, share, [share - low, high - share], capsize=3, label=name, **_mark(name))
+    noises = [row["noise"] for row in own]
+    ax.set_xticks(range(len(noises)), [f"{noise:g}" for noise in noises])
+    ax.set_xticks(np.arange(1, len(noises)) - 0.5, minor=True)
+    totals = {name: sum(row["exact"] for row in own) for name, own in by_method.items()}
+    first, second = sorted(totals, key=totals.get, reverse=True)[:2]
+    title = f"{first} is exact in {totals[first]} of {runs.sum()} runs; the next, {second}, in {totals[second]}"
+    label_axes(ax, "noise (times the paper's)", "exact (share of the rooms, 95 % bars)", title)
+    ax.grid(False, axis="x")
+    ax.grid(axis="x", which="minor")  # between the noises
+    return ax
+
+
+def plot_seconds(ax: Axes, rows: tuple[dict, ...]) -> Axes:
+    """The time of a run of each method at the least noise; the title names the slowest."""
+    first = {name: own[0] for name, own in _by_method(rows).items()}
+    for k, (name, row) in enumerate(first.items()):
+        ax.plot(row["seconds"], k, **_mark(name))
+    ax.set(xscale="log", ylim=(len(first) - 0.5, -0.5))
+    ax.xaxis.set_major_formatter("{x:g}")
+    ax.set_yticks(range(len(first)), list(first))
+    slowest = max(first, key=lambda name: first[name]["seconds"])
+    noise, title = rows[0]["noise"], f"the slowest, {slowest}, takes {first[slowest]['seconds']:.1f} s"
+    return label_axes(ax, f"median run at noise {noise:g} (s, log scale)", "method (name)", title)
+
+
+def _mark(name: str) -> dict:
+    return method_style(name) | {"linestyle": "none", "linewidth": 2.0, "zorder": 2.0, "markersize": 8}
+
+
+def _by_method(rows: tuple[dict, ...]) -> dict[str, list[dict]]:
+    return {name: [row for row in rows if row["method"] == name] for name in dict.fromkeys(r["method"] for r in rows)}

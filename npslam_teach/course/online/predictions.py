@@ -73,4 +73,14 @@ predict = questions(
         mistake=("To take a cautious robot for a safe one. What it does not join, it cannot use to correct its drift."),
         alts=["Numbers of objects for two values of alpha; the larger alpha, the more objects in some rooms."],
     ),
+    all_methods=choice(
+        "At three times the noise, how many of the eight methods are exact in at least half of the rooms?",
+        ["none", "two", "four", "all but those that look at one frame alone"],
+        right=1,
+        mistake=(
+            "To take the right number for the right answer. Several methods find fifteen objects at the paper's noise, "
+            "but leave sightings out or give them to others."
+        ),
+        alts=["Marks side by side: the posterior stays near 1, the others fall with the noise; and seconds of a run."],
+    ),
 )

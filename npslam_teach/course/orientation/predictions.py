@@ -73,6 +73,20 @@ predict = questions(
         ),
         alts=["ARI over the error of a heading: near one up to 30 degrees, back to what it is without at 90."],
     ),
+    two_in_one=choice(
+        "How many tracklets hold sightings of two chairs: without headings, at 10 degrees, at 45?",
+        [
+            "hardly any in all three",
+            "nearly all; none; about half",
+            "about half; none; none",
+            "none; about half; nearly all",
+        ],
+        right=1,
+        mistake=(
+            "To think that half a turn is always out of reach. At 45 degrees it is four errors of one heading, but "
+            "less than three of the difference between two."
+        ),
+    ),
     compass=choice(
         "Told who is who, how much better is the path with headings that err by 10 degrees?",
         ["ten times", "half the error is gone", "hardly", "it gets worse"],

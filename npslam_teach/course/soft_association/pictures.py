@@ -110,7 +110,9 @@ def plot_em(ax: Axes, rounds: list[np.ndarray], seen: np.ndarray, title: str) ->
 
 
 def plot_runs(ax: Axes, quantity: str, cases: tuple) -> Axes:
-    """A quantity over the share of wrong reports: medians of all rooms, bars from the 10th to the 90th percentile.
+    """A quantity for each share of wrong reports: medians of all rooms, bars from the 10th to the 90th percentile.
+
+    The cases stand side by side, in their order: where several are perfect, no mark covers another.
 
     Args:
         ax: any axes.
@@ -120,9 +122,9 @@ def plot_runs(ax: Axes, quantity: str, cases: tuple) -> Axes:
     for k, case in enumerate(cases):
         values = [table.column(quantity, case, share) for share in SHARES]
         low, middle, high = np.array([np.percentile(each, (10, 50, 90)) for each in values]).T
-        # Shifted sideways a little, so that no bar covers another.
-        x = 100 * np.array(SHARES) + 0.7 * (k - (len(cases) - 1) / 2)
-        ax.errorbar(x, middle, [middle - low, high - middle], capsize=3, markersize=8, label=case, **LOOKS[case])
+        x = np.arange(len(SHARES)) + 0.8 / len(cases) * (k - (len(cases) - 1) / 2)
+        look = LOOKS[case] | {"linestyle": "none", "elinewidth": 2.0, "zorder": 2.0}
+        ax.errorbar(x, middle, [middle - low, high - middle], capsize=3, markersize=8, label=case, **look)
     if quantity != "ari_used":
         ax.set_yscale("log")
         ax.yaxis.set_major_formatter("{x:g}")
@@ -131,9 +133,13 @@ def plot_runs(ax: Axes, quantity: str, cases: tuple) -> Axes:
     if quantity == "pose_error":
         ax.set_yticks([0.05, 0.1, 0.2, 0.5, 1.0])
     ax.yaxis.set_minor_formatter("")
-    ax.set_xticks([100 * share for share in SHARES])
+    ax.set_xticks(range(len(SHARES)), [f"{100 * share:g}" for share in SHARES])
+    ax.set_xticks(np.arange(1, len(SHARES)) - 0.5, minor=True)
     ends = (f"{case} {np.median(table.column(quantity, case, SHARES[-1])):.2g}" for case in (cases[0], cases[-1]))
-    return label_axes(ax, "wrong reports (%)", QUANTITIES[quantity], f"{SHARES[-1]:.0%} wrong: " + ", ".join(ends))
+    label_axes(ax, "wrong reports (%)", QUANTITIES[quantity], f"{SHARES[-1]:.0%} wrong: " + ", ".join(ends))
+    ax.grid(False, axis="x")
+    ax.grid(axis="x", which="minor")  # between the shares
+    return ax
 
 
 def gates_figure(left: dict) -> Figure:

@@ -69,7 +69,7 @@ predict = questions(
         ),
         alts=[
             "",
-            "Objects, ARI and pose error over the share of wrong reports: two methods leave fifteen, two stay there.",
+            "Objects, ARI and pose error for each share of wrong reports: two methods leave fifteen, three stay there.",
         ],
     ),
     em_adds=choice(

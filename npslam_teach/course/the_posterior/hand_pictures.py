@@ -1,9 +1,18 @@
-"""Pictures of what lesson 11 computes by hand: one Gibbs move, four chains, and a chair behind an eliminated pose."""
+"""Pictures of what lesson 11 computes by hand: a Gibbs move, four chains, an eliminated pose, and shared drift."""
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from npslam_teach.plotting.style import CLASS_COLORS, CLASS_MARKERS, TRUTH_LINE, label_axes, legend_beside, new_figure
+from npslam_teach.plotting.style import (
+    CLASS_COLORS,
+    CLASS_MARKERS,
+    TRUTH_LINE,
+    label_axes,
+    label_map,
+    legend_beside,
+    new_figure,
+)
+from npslam_teach.plotting.uncertainty import ellipse_points
 
 
 def moves_figure(moves: dict) -> Figure:
@@ -66,4 +75,22 @@ def corridor_figure(places: np.ndarray, std: np.ndarray) -> Figure:
     legend_beside(ax)
     title = "the second chair has the errors of wheels and camera"
     label_axes(ax, "place along the corridor (m)", "density (per m)", title)
+    return figure
+
+
+def shared_drift_figure(cov: np.ndarray, apart: np.ndarray) -> Figure:
+    """The 95 % ellipses of the places of 7 and 8 and of their difference, all around 0.
+
+    Args:
+        cov: (2, 2, 2) m^2, of 7 and of 8.
+        apart: (2, 2) m^2, of the place of 8 less that of 7.
+    """
+    figure, ax = new_figure(size=(8.0, 3.6))
+    for k, (name, spread) in enumerate({"7": cov[0], "8": cov[1], "8 less 7": apart}.items()):
+        look = {"color": CLASS_COLORS[k], "linestyle": ("-", "--", "-.")[k], "linewidth": 2.5}
+        label = f"{name}: std in x {spread[0, 0] ** 0.5:.2f} m"
+        ax.plot(*ellipse_points(np.zeros(2), spread).T, label=label, **look)
+    legend_beside(ax)
+    label_map(ax, "7 and 8 share their drift: it cancels in their difference")
+    ax.set(xlabel="off in x (m, 95 % ellipses)", ylabel="off in y (m)")
     return figure

@@ -182,9 +182,7 @@ def plot_together(ax: Axes, together: np.ndarray, best: np.ndarray, title: str) 
     return ax
 
 
-def plot_credible(
-    ax: Axes, xy: np.ndarray, cov: np.ndarray, true_xy: np.ndarray, title: str, name: str = "object found"
-) -> Axes:
+def plot_credible(ax: Axes, xy: np.ndarray, cov: np.ndarray, true_xy: np.ndarray, title: str) -> Axes:
     """Objects in the ellipses that hold them with 95 % probability, over the true ones.
 
     Args:
@@ -193,13 +191,12 @@ def plot_credible(
         cov: (K, 2, 2) m^2.
         true_xy: (L, 2) m, in the same frame.
         title: of the map.
-        name: of what has an ellipse.
     """
     for k, (point, spread) in enumerate(zip(xy, cov, strict=True)):
         label = "95 % ellipse" if k == 0 else None
         style = {"edgecolor": CLASS_COLORS[0], "facecolor": CLASS_COLORS[0] + "30", "linewidth": 1.5}
         ax.add_patch(ellipse(point, spread, label=label, **style))
-    ax.plot(*xy.T, "o", color=CLASS_COLORS[0], markersize=4, label=name)
+    ax.plot(*xy.T, "o", color=CLASS_COLORS[0], markersize=4, label="object found")
     ax.plot(*true_xy.T, "x", color=TRUTH_COLOR, markersize=8, markeredgewidth=2, label="true object")
     ax.autoscale_view()
     legend_beside(ax)
@@ -213,7 +210,7 @@ def chains_figure(cases: dict) -> Figure:
         cases: by title: the chains (C, n), and the exact mean, dashed grey.
     """
     rows = -(-len(cases) // 2)
-    figure, axes = new_figure(rows, 2, (12.0, 1.0 + 3.3 * rows), sharex=True, sharey=True, squeeze=False)
+    figure, axes = new_figure(rows, 2, (10.5, 1.0 + 2.7 * rows), sharex=True, sharey=True, squeeze=False)
     for k, (ax, (title, (chains, exact))) in enumerate(zip(axes.flat, cases.items(), strict=True)):
         _plot_running_means(ax, np.asarray(chains), exact)
         sweeps = "sweeps (number)" if k // 2 == rows - 1 else ""

@@ -26,22 +26,26 @@ from npslam_teach.types import GroundTruth, RobotLog
 
 SENSOR_LOOK = {"color": CLASS_COLORS[5], "marker": CLASS_MARKERS[6], "linestyle": "--"}
 NOISE_LINES = ("-", "--", "-.", ":")
-CAUSES = {  # the paper's method alone, and with more rounds, true values or a scaled kernel; name to case
+CAUSES = {  # the paper's method alone, with more rounds, true values, a scaled kernel, no object twice; name to case
     "the paper's": "np-graph",
     "30 rounds": "30 rounds",
     "true poses": "true poses",
     "true start": "true start",
-    "scaled": "np-graph sensor",
-    "scaled, 30 rounds": "30 rounds sensor",
-    "scaled, true poses": "true poses sensor",
-    "scaled, true start": "true start sensor",
+    "scaled": "np-graph repeated",
+    "scaled, true poses": "true poses repeated",
+    "scaled, true start": "true start repeated",
+    "scaled, exclusive": "np-graph sensor",
+    "scaled, exclusive, 30 rounds": "30 rounds sensor",
+    "scaled, exclusive, true poses": "true poses sensor",
+    "scaled, exclusive, true start": "true start sensor",
     "true identities": "true identities",
 }
 
 
 def look_of(case: str) -> dict:
     """Colour, line and marker of a case: its method's, and those of NP-graph scaled to the sensor."""
-    return method_style("np-graph") | SENSOR_LOOK if case == "np-graph sensor" else method_style(case)
+    scaled = case in ("np-graph sensor", "np-graph repeated")
+    return method_style("np-graph") | SENSOR_LOOK if scaled else method_style(case)
 
 
 def plot_success(ax: Axes, cases: dict, of_used: tuple = (), faint: tuple = ()) -> Axes:
@@ -113,7 +117,7 @@ def plot_shares(ax: Axes, cases: dict, noises: tuple) -> Axes:
         noises: the columns.
     """
     shares = [[table.share_of(case, noise) for noise in noises] for case in cases.values()]
-    title = "scaled kernel: true poses or a true start are enough, more rounds are not"
+    title = "scaled and exclusive: true poses or a true start are enough"
     return plot_share_table(ax, shares, list(cases), [f"{noise:g}" for noise in noises], "what was run", title)
 
 

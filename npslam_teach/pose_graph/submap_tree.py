@@ -5,13 +5,13 @@ landmarks that are seen from outside (``submaps``), two neighbours into that of 
 nested dissection in time; the tree grows like a binary counter. A frame changes the newest stretch alone, and only its
 joint with all before is done again, whatever the length of the drive. An old landmark that comes into view again, or
 turns out to be another, is kept on the way from where it was eliminated up to the top: log2(T / 32) joints. Estimates
-of the past are found from the top down, a few joints per frame. Treemap does the same over space (Frese 2006).
+of the past are found from the top down. Treemap does the same over space (Frese 2006).
 
 Where a joint's linear model no longer holds, all that has moved within its stretch is linearized anew at once, as iSAM
 does (Kaess, Ranganathan and Dellaert, 2008): piece by piece the tree would hold information that nobody has measured,
 and swing about its minimum. That frame takes time in proportion to what has moved; of a large tree it is one in
-``SELDOM`` at most. The bound of all others: a joint costs O(b^3) for b landmarks that both sides share with the rest.
-In a building that is driven row by row they are those seen from two rows: b grows with its width, not with the drive.
+``SELDOM`` at most. In all others a joint costs O(b^3) for b landmarks that both sides share with the rest: in a
+building driven row by row those seen from two rows, which grow with its width, not with the drive.
 """
 
 import numpy as np
@@ -26,8 +26,7 @@ from npslam_teach.pose_graph.submaps import Submap, carried, turned_back
 from npslam_teach.types import PoseGraph
 from npslam_teach.validation import checked_array, checked_index
 
-STRETCH = 32  # poses
-WALK = 32  # steps per frame towards the past
+STRETCH, WALK = 32, 32  # poses; steps per frame towards the past
 FEW, SELDOM, MOST_IN_A_ROW = 64, 120, 3  # a tree of more stretches waits so many frames, or has not waited so often
 MOST_PASSES, NEAR = 10, 1e-6  # of ``finish``; relative change of chi2 after which the tree is left
 
@@ -130,12 +129,15 @@ class SubmapTree:
 
     def solve(self, walk: int = WALK) -> np.ndarray:
         """The newest pose (3,) at the minimum; and ``walk`` steps towards all others."""
-        front = self.front()
-        self.tell(front.at - np.linalg.solve(front.information, front.gradient), walk)
+        self.tell(self.front().minimum(), walk)
         return self.pose
 
     def tell(self, values: np.ndarray, walk: int = WALK) -> None:
         """Take values for the variables of ``front`` (n,), and go ``walk`` steps on towards those of the past."""
+        self._take(values, walk)
+        self._keep_linear()
+
+    def _take(self, values: np.ndarray, walk: int) -> None:
         self._top.frame = np.zeros(3)
         self._inform(self._top, values)
         self.pose, self._xy.array[self._top.part.ids] = turned_back(values[:3].copy(), 2), values[3:].reshape(-1, 2)
@@ -146,7 +148,6 @@ class SubmapTree:
                 self._walk = [] if self._top is self._open else [self._top.left]
                 break
             self._visit(self._walk.pop())
-        self._keep_linear()
 
     def landmarks(self) -> np.ndarray:
         """(N, 2) m, W: where each stands as far as is known now; of those that became another, as they were then."""
@@ -163,7 +164,7 @@ class SubmapTree:
     def graph(self) -> tuple[PoseGraph, np.ndarray]:
         """Everything, told from the top down; and the landmark of each index, (N,) -1 = unseen."""
         if self._top.stale:
-            self.solve(0)
+            self._take(self.front().minimum(), 0)  # not ``solve``: what that linearizes anew would be stale again
         self._walk_all()
         poses = [np.zeros((1, 3)), *(se2.compose(leaf.frame, leaf.poses[1:]) for leaf in self._leaves)]
         return self._factors.graph(np.concatenate(poses), self.landmarks(), self.became())
@@ -174,8 +175,7 @@ class SubmapTree:
         Args:
             tolerance: of ``optimize``.
         """
-        graph, _ = self.graph()
-        before = np.inf
+        (graph, _), before = self.graph(), np.inf
         for _ in range(MOST_PASSES):
             if abs(before - (now := chi2(graph))) <= NEAR * (1.0 + now):
                 break

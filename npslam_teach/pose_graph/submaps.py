@@ -33,6 +33,10 @@ class Submap(NamedTuple):
         pull = self.information @ d
         return self.gradient + pull, self.constant + float(d @ (2 * self.gradient + pull))
 
+    def minimum(self) -> np.ndarray:
+        """The values (n,) where chi2 is least."""
+        return self.at - np.linalg.solve(self.information, self.gradient)
+
     def difference(self, values: np.ndarray) -> np.ndarray:
         """How far values (n,) are from ``at``; the angle the short way."""
         return turned_back(values - self.at, 2)

@@ -7,7 +7,7 @@ import pytest
 
 from npslam_teach import pose_graph, se2, simulate
 from npslam_teach.methods.gating import frames_of
-from npslam_teach.pose_graph import SubmapTree
+from npslam_teach.pose_graph import SubmapTree, stretches
 from npslam_teach.pose_graph.submaps import eliminate, seen_from_seam
 from npslam_teach.types import RobotLog
 
@@ -66,6 +66,21 @@ def test_before_it_is_finished_it_is_within_a_small_part_of_a_standard_deviation
     drive(tree, log, truth.obs_object, 702, compare)
     assert len(off) == 7 and max(off) < 0.5
     assert np.median(off) < 0.1
+
+
+def test_all_poses_are_told_where_a_look_finds_a_bent_stretch(scene, monkeypatch):
+    """What the look before has found bent is linearized anew with the next frame, and not before that is told."""
+    monkeypatch.setattr(stretches, "LARGEST_TURN", 0.0)
+    monkeypatch.setattr(stretches, "NONLINEAR", math.inf)
+    log, truth = scene
+    tree, lengths = SubmapTree(5), []
+
+    def look(t):
+        if t % 12 == 0:  # in between stretches come to their end, and nobody solves
+            lengths.append(len(tree.graph()[0].poses) - t - 1)
+
+    drive(tree, log, truth.obs_object, 120, look)
+    assert lengths == [0] * 10
 
 
 def circuit(seed):

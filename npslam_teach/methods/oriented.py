@@ -8,12 +8,14 @@ headings is the smallest that looks alike.
 """
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from npslam_teach import se2
 from npslam_teach.association import PAPER_KERNEL_STD, SeenHeadings
+from npslam_teach.association.headings import log_heading_evidence
 from npslam_teach.association.partition_posterior import HeadingEvidence
 from npslam_teach.methods.gating import as_two_degrees
 from npslam_teach.methods.noise import observation_covariances, step_covariances
@@ -180,20 +182,17 @@ class ChainHeadings:
     def agreement_within(self, tracklet: np.ndarray) -> float:
         """``log_heading_evidence`` of the observations of each tracklet for being one heading, summed over tracklets.
 
-        While an object stays in view the robot's own heading errs little, and that error is left out here.
+        The walk within a tracklet counts too: where headings are measured to a degree or two, a robot's own heading
+        errs more while an object stays in view.
 
         Args:
             tracklet: (M,) of each observation, from 0 without gaps; -1 = of none.
         """
         used = np.flatnonzero((tracklet >= 0) & (self.symmetry > 0))
-        own, symmetry = tracklet[used], symmetry_of_objects(tracklet, self.symmetry)
-        counts = np.bincount(own, minlength=len(symmetry))
-        mean = mean_headings(tracklet, self.theta, self.symmetry)
-        squared = se2.wrap_symmetric(self.theta[used] - mean[own], symmetry[own]) ** 2 / self.var
-        said = counts > 0
-        counts, span = counts[said], 2 * np.pi / symmetry[said]
-        log_det = counts * np.log(self.var) + np.log(counts / self.var)
-        return float(((counts - 1) * np.log(span / np.sqrt(2 * np.pi)) - log_det / 2).sum() - squared.sum() / 2)
+        used = used[np.argsort(tracklet[used], kind="stable")]
+        each = np.split(used, np.flatnonzero(np.diff(tracklet[used])) + 1)
+        # Most tracklets are the same in the next partition that is asked for.
+        return sum(_agreement_of(self, indices.tobytes()) for indices in each)
 
     def squared_turns(self, labels: np.ndarray, correction: np.ndarray) -> np.ndarray:
         """How far every observation is turned from every object, squared, in standard deviations: (M, K).
@@ -206,3 +205,14 @@ class ChainHeadings:
         both = (self.symmetry[:, None] > 0) & (symmetry > 0)
         off = theta[:, None] - mean_headings(labels, theta, self.symmetry)
         return se2.wrap_symmetric(off, np.where(both, symmetry, 0)) ** 2 / self.var
+
+
+@lru_cache(20_000)
+def _agreement_of(headings: ChainHeadings, indices: bytes) -> float:
+    """``log_heading_evidence`` of some observations, by the bytes of their indices (n,)."""
+    own = np.frombuffer(indices, dtype=int)
+    if len(own) < 2:
+        return 0.0
+    walk = np.append(0.0, np.cumsum(headings.step_var))[headings.time[own]]
+    cov = np.minimum(walk[:, None], walk) - walk.min() + headings.var * np.eye(len(own))
+    return log_heading_evidence(headings.theta[own], cov, int(headings.symmetry[own[0]]))

@@ -4,14 +4,11 @@ It is made by
 
     python -m npslam_teach.experiments.back_to_back npslam_teach/course/orientation/runs.csv
 
-in about half an hour on one core. A hall holds four pairs of equal chairs, back to back and 0.25 m apart; the camera
+in about an hour on one core. A hall holds four pairs of equal chairs, back to back and 0.25 m apart; the camera
 errs by 0.15 m, so that centroids cannot decide, and the robot drives around them twice. A row is one run on one hall. A
 *case* is a method, or ``true identities``, the pose graph alone, told who is who. ``degrees`` says how much a heading
 errs, the log's ``observation_theta_std``; 0 stands for a log without headings. Whatever the degrees, a seed has the
 same path, places and noise of them.
-
-The rows of ``posterior`` in the committed table are of a search that did not go along the path yet
-(``annealing.grown``) and knew nothing of persistence.
 """
 
 import sys

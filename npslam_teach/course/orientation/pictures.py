@@ -159,8 +159,10 @@ def plot_runs(ax: Axes, quantity: str, cases: tuple) -> Axes:
         without = np.median(table.column(quantity, case, 0.0))
         ax.axhline(without, color=LOOKS[case]["color"], linewidth=1.0, linestyle=":", zorder=1)
     ax.set_xticks(degrees)
-    ends = (f"{case} {np.median(table.column(quantity, case, degrees[0])):.2g}" for case in (cases[0], cases[-1]))
-    title = f"headings good to {degrees[0]:g} degrees: " + ", ".join(ends)
+    best, poor = degrees[0], degrees[-2]  # the last says nothing any more
+    at = {(case, each): np.median(table.column(quantity, case, each)) for case in cases for each in (best, poor)}
+    ends = (f"{case} {at[case, best]:.2g} to {at[case, poor]:.2g}" for case in (cases[0], cases[-1]))
+    title = f"errors of {best:g} to {poor:g} degrees: " + ", ".join(ends)
     return label_axes(ax, "error of a heading (degrees); dotted: without", QUANTITIES[quantity], title)
 
 

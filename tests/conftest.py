@@ -4,7 +4,6 @@ import os
 import sys
 from pathlib import Path
 
-import nbformat
 import numpy as np
 import pytest
 from kernel_ports import use_own_ports
@@ -74,6 +73,8 @@ def stata_path(data_folder) -> Path:
 @pytest.fixture
 def notebook(path):
     """The notebook at ``path``, which each file of tests has a fixture for."""
+    import nbformat  # takes a second, and every worker and the process over them would pay it
+
     return nbformat.read(path, as_version=4)
 
 

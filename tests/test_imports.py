@@ -1,6 +1,7 @@
 """The architecture, enforced by reading the imports: who may know whom, and what it costs to import the package."""
 
 import ast
+import functools
 import subprocess
 import sys
 from pathlib import Path
@@ -21,10 +22,22 @@ EXTRA = {("simulate", "camera"), ("cli", "publishing"), ("publishing", "system")
 ESTIMATORS = ("pose_graph", "association", "methods")
 
 
+@functools.cache
+def tree_of(name):
+    """The syntax of a file, which many tests look at."""
+    return ast.parse(SOURCES[name].read_text(encoding="utf-8"))
+
+
+@functools.cache
+def nodes_of(name):
+    """All nodes of it."""
+    return list(ast.walk(tree_of(name)))
+
+
+@functools.cache
 def imported(name, top_level_only=False):
     """Modules that a file imports: our own by their name inside the package, others by their first word."""
-    tree = ast.parse(SOURCES[name].read_text(encoding="utf-8"))
-    nodes = tree.body if top_level_only else ast.walk(tree)
+    nodes = tree_of(name).body if top_level_only else nodes_of(name)
     found = set()
     for node in nodes:
         if isinstance(node, ast.Import):
@@ -66,53 +79,54 @@ def place_of(name):
     return name.split(".")[0]
 
 
-@pytest.mark.parametrize("name", sorted(set(SOURCES) - {"__init__"}))
-def test_imports_point_to_the_left(name):
+def test_imports_point_to_the_left():
     """The architecture in one line: see LAW."""
-    for other in imported(name)[0]:
-        place, its_place = place_of(name), place_of(other)
-        if its_place not in (place, "__init__") and (place, its_place) not in EXTRA:
-            assert RANK[its_place] < RANK[place], f"{name} imports {other}"
+    for name in sorted(set(SOURCES) - {"__init__"}):
+        for other in imported(name)[0]:
+            place, its_place = place_of(name), place_of(other)
+            if its_place not in (place, "__init__") and (place, its_place) not in EXTRA:
+                assert RANK[its_place] < RANK[place], f"{name} imports {other}"
 
 
-@pytest.mark.parametrize("name", sorted(SOURCES))
-def test_matplotlib_and_widgets_stay_where_they_belong(name):
-    _, others = imported(name)
-    if place_of(name) not in ("plotting", "course"):
-        assert "matplotlib" not in others
-    if name != "course.explorers":
-        assert "ipywidgets" not in others
-    if place_of(name) != "course":
-        assert not others & {"anywidget", "traitlets"}
+def test_matplotlib_and_widgets_stay_where_they_belong():
+    for name in SOURCES:
+        _, others = imported(name)
+        if place_of(name) not in ("plotting", "course"):
+            assert "matplotlib" not in others, name
+        if name != "course.explorers":
+            assert "ipywidgets" not in others, name
+        if place_of(name) != "course":
+            assert not others & {"anywidget", "traitlets"}, name
 
 
-@pytest.mark.parametrize("name", sorted(SOURCES))
-def test_scipy_is_imported_only_where_it_is_used(name):
+def test_scipy_is_imported_only_where_it_is_used():
     """`import scipy.sparse.linalg` costs a quarter of a second; whoever only reads a log must not pay it."""
-    _, others = imported(name, top_level_only=True)
-    assert not others & {"scipy", "tqdm", "pooch"}
+    for name in SOURCES:
+        _, others = imported(name, top_level_only=True)
+        assert not others & {"scipy", "tqdm", "pooch"}, name
 
 
-@pytest.mark.parametrize("name", [name for name in sorted(SOURCES) if place_of(name) in ESTIMATORS])
-def test_no_estimator_knows_the_truth(name):
+def test_no_estimator_knows_the_truth():
     """That none knows the simulator or the evaluation is part of the LAW."""
-    tree = ast.parse(SOURCES[name].read_text(encoding="utf-8"))
-    assert "GroundTruth" not in {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    arguments = {argument.arg for node in ast.walk(tree) if isinstance(node, ast.arguments) for argument in node.args}
-    assert not {argument for argument in arguments if "truth" in argument or argument.startswith("true_")}
+    for name in (name for name in SOURCES if place_of(name) in ESTIMATORS):
+        nodes = nodes_of(name)
+        assert "GroundTruth" not in {node.id for node in nodes if isinstance(node, ast.Name)}, name
+        arguments = {argument.arg for node in nodes if isinstance(node, ast.arguments) for argument in node.args}
+        told = {argument for argument in arguments if "truth" in argument or argument.startswith("true_")}
+        assert not told, f"{name}: {told}"
 
 
-@pytest.mark.parametrize("name", [name for name in sorted(SOURCES) if name.endswith(".__init__")])
-def test_the_door_of_every_folder_is_a_table_of_contents(name):
+def test_the_door_of_every_folder_is_a_table_of_contents():
     """One docstring, imports of public names, and nothing that has to be computed."""
-    docstring, *rest = ast.parse(SOURCES[name].read_text(encoding="utf-8")).body
-    assert _is_docstring(docstring)
-    assert all(isinstance(node, ast.ImportFrom | ast.Assign) for node in rest), name
+    for name in (name for name in SOURCES if name.endswith(".__init__")):
+        docstring, *rest = tree_of(name).body
+        assert _is_docstring(docstring), name
+        assert all(isinstance(node, ast.ImportFrom | ast.Assign) for node in rest), name
 
 
 def test_nobody_unpickles_or_evaluates():
-    for name, path in SOURCES.items():
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for name in SOURCES:
+        for node in nodes_of(name):
             if isinstance(node, ast.keyword) and node.arg == "allow_pickle":
                 assert isinstance(node.value, ast.Constant) and node.value.value is False, name
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
@@ -123,9 +137,8 @@ def test_modules_and_functions_keep_their_promise_of_size():
     """250 lines a module, 25 lines of body a function."""
     longer = {"publishing.book_page.page": 30}  # one template of HTML
     for name, path in SOURCES.items():
-        text = path.read_text(encoding="utf-8")
-        assert len(text.splitlines()) <= 250, name
-        for node in ast.walk(ast.parse(text)):
+        assert len(path.read_text(encoding="utf-8").splitlines()) <= 250, name
+        for node in nodes_of(name):
             if isinstance(node, ast.FunctionDef):
                 body = [entry for entry in node.body if not _is_docstring(entry)]
                 lines = body[-1].end_lineno - body[0].lineno + 1 if body else 0

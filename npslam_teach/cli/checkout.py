@@ -45,23 +45,23 @@ def test(options) -> int:
     """Run pytest on the library's tests and, with nbval, on every notebook; with ``--quick`` on the core alone."""
     _require_checkout(ROOT / "tests")
     if options.quick:
-        how = ["-m", "not slow and not browser"]
+        # Without nbval, which every worker would import for a second.
+        how, plugins = ["-m", "not slow and not browser"], []
         what = [f"tests/{folder}" for folder in QUICK_FOLDERS]
         what += sorted(path.relative_to(ROOT).as_posix() for path in ROOT.glob("tests/test_*.py"))
     else:
         sanitize = f"--nbval-sanitize-with={ROOT / 'tests' / 'nbval_sanitize.cfg'}"
-        how = ["--nbval", "--nbval-current-env", "--nbval-cell-timeout=120", sanitize]
+        how, plugins = ["--nbval", "--nbval-current-env", "--nbval-cell-timeout=120", sanitize], ["-p", "nbval.plugin"]
         what = ["notebooks", "tests"]
     if any((ROOT / word.split("::")[0]).exists() for word in options.extra):
         what = []  # the further arguments say it
     # One more than there are processors: much of the time a test waits for a browser or a kernel.
     count = min((os.cpu_count() or 1) + 1, 8)
     workers = ["-n", str(count), "--dist", "loadscope", "--no-loadscope-reorder"]
-    plugins = ["-p", "xdist.plugin", "-p", "nbval.plugin"]
     # Plugins that somebody else has installed here are not asked.
     # Workers and kernels of one thread each: several, that wait for each other, take several times as long.
     alone = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    return _run_module(["pytest", *plugins, *workers, *how, *what, *options.extra], alone)
+    return _run_module(["pytest", "-p", "xdist.plugin", *plugins, *workers, *how, *what, *options.extra], alone)
 
 
 def bench(options) -> int:

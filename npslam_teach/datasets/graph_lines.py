@@ -49,7 +49,7 @@ def parse(path) -> dict:
         fields = line.split(b"#", 1)[0].split()
         if fields:
             tag = TORO.get(fields[0], fields[0])
-            for ids, numbers in _convert(f"{path}, line {line_number}", tag, fields):
+            for ids, numbers in _convert(path, line_number, tag, fields):
                 rows[tag].append((line_number, ids, numbers))
     return rows
 
@@ -70,32 +70,41 @@ def _text(path) -> bytes:
     return data.removeprefix(b"\xef\xbb\xbf")
 
 
-def _convert(where: str, tag: bytes, fields: list) -> list[tuple[list, list]]:
+def _convert(path, line_number: int, tag: bytes, fields: list) -> list[tuple[list, list]]:
     """The ids and the numbers of one line; a line that fixes several vertices counts once for each."""
     if tag not in FIELDS:
-        raise ValueError(f"{where}: {_unknown(tag)}")
+        raise ValueError(f"{path}, line {line_number}: {_unknown(tag)}")
     if tag == b"FIX" and len(fields) > 2:
-        return [_converted(where, tag, [fields[0], each])[:2] for each in fields[1:]]
+        return [_converted(path, line_number, tag, [fields[0], each]) for each in fields[1:]]
     id_names, number_names = FIELDS[tag]
-    if len(fields) - 1 != len(id_names + number_names):
+    if len(fields) - 1 != len(id_names) + len(number_names):
         wanted = " ".join(id_names + number_names)
         problem = f"expected {len(id_names + number_names)} values ({wanted}), got {len(fields) - 1}"
-        raise ValueError(f"{where}: {fields[0].decode()}: {problem}")
-    ids, numbers = _converted(where, tag, fields)
+        raise ValueError(f"{path}, line {line_number}: {fields[0].decode()}: {problem}")
+    ids, numbers = _converted(path, line_number, tag, fields)
     if fields[0] == b"EDGE2":
         numbers = [numbers[k] for k in TORO_INFORMATION]
     return [(ids, numbers)]
 
 
-def _converted(where: str, tag: bytes, fields: list) -> tuple[list, list]:
-    id_names, number_names = FIELDS[tag]
-    values = []
+def _converted(path, line_number: int, tag: bytes, fields: list) -> tuple[list, list]:
+    first = 1 + len(FIELDS[tag][0])
     try:
-        for name, field in zip(id_names + number_names, fields[1:], strict=True):
-            values.append(_integer(field) if name in id_names else _number(field))
-    except ValueError as error:
-        raise ValueError(f"{where}: {fields[0].decode()} {name}: {error}, got {_quote(field)}") from None
-    return values[: len(id_names)], values[len(id_names) :]
+        return [_integer(field) for field in fields[1:first]], [_number(field) for field in fields[first:]]
+    except ValueError:
+        # A file has a hundred thousand right lines; which word it is, only the wrong one needs to know.
+        raise ValueError(f"{path}, line {line_number}: {_first_wrong(tag, fields)}") from None
+
+
+def _first_wrong(tag: bytes, fields: list) -> str:
+    """What is wrong with the first word of a line that does not say what it should."""
+    id_names, number_names = FIELDS[tag]
+    for name, field in zip(id_names + number_names, fields[1:], strict=True):
+        try:
+            _ = _integer(field) if name in id_names else _number(field)
+        except ValueError as error:
+            return f"{fields[0].decode()} {name}: {error}, got {_quote(field)}"
+    raise AssertionError("no word is wrong")
 
 
 def _unknown(tag: bytes) -> str:
@@ -127,8 +136,8 @@ def _number(field: bytes) -> float:
         value = float(field)
     except ValueError:
         value = math.nan
+    if -LARGEST <= value <= LARGEST and b"_" not in field:
+        return value
     if not math.isfinite(value) or b"_" in field:
         raise ValueError("expected a finite number")
-    if abs(value) > LARGEST:
-        raise ValueError(f"expected a number up to {LARGEST:g}")
-    return value
+    raise ValueError(f"expected a number up to {LARGEST:g}")

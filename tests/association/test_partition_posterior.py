@@ -133,9 +133,9 @@ def test_moves_of_rank_two_keep_what_a_fresh_calculation_gives(seed):
         sampler.refresh()  # as after every sweep: rounding grows from move to move
 
 
-@pytest.mark.parametrize("moves", ["gibbs", "split-merge", "both"])
+@pytest.mark.parametrize("moves", ["gibbs", "split-merge"])
 def test_partitions_come_as_often_as_they_are_probable(moves):
-    """Within four standard errors for all that are not rare: chains of each kind of move alone, and of both."""
+    """Chains of each kind of move alone; of both it is seen below."""
     rng = np.random.default_rng(7)
     evidence = evidence_of(rng, 4)
     exact, sampler = probabilities(evidence), GibbsSampler(evidence, np.zeros(4, dtype=int), rng)
@@ -143,10 +143,7 @@ def test_partitions_come_as_often_as_they_are_probable(moves):
         sampler = GibbsSampler(evidence, np.arange(4), rng)
     number, often = 2_000, dict.fromkeys(exact, 0)
     for _ in range(number):
-        if moves != "split-merge":
-            sampler.sweep()
-        if moves != "gibbs":
-            split_or_merge(sampler)
+        sampler.sweep() if moves == "gibbs" else split_or_merge(sampler)
         often[numbered(sampler.labels)] += 1
     distance = sum(abs(often[each] / number - share) for each, share in exact.items()) / 2
     assert distance < (0.1 if moves == "split-merge" else 0.05)
@@ -154,9 +151,13 @@ def test_partitions_come_as_often_as_they_are_probable(moves):
 
 @pytest.mark.slow
 def test_total_variation_on_random_cases():
-    """What is left of the distance between sampled and exact frequencies is what independent samples would leave."""
+    """What is left of the distance between sampled and exact frequencies is what independent samples would leave.
+
+    Both kinds of moves together. These are cases, of a dozen, in which several partitions are probable: a way back that
+    is forgotten, or a new object that is held fifteen percent too probable, hardly shows elsewhere.
+    """
     excess = []
-    for seed in range(12):
+    for seed in (2, 3, 6, 10):
         rng = np.random.default_rng(1000 + seed)
         evidence = evidence_of(rng, int(rng.integers(2, 6)))
         exact, number, often = probabilities(evidence), 600, {}

@@ -161,6 +161,7 @@ def test_a_quick_test_is_of_the_mathematics_the_files_and_the_command_line(monke
     monkeypatch.setattr(checkout, "_run_module", lambda arguments, variables: started.append(arguments) or 0)
     assert parser.main(["test", "--quick"]) == 0
     alone = os.environ | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    assert not any("nbval" in word for word in started[0])  # a second of imports, for no notebook
     places = {word for word in started[0] if word.startswith(("tests/", "notebooks"))}
     files = {path.relative_to(ROOT).as_posix() for place in places for path in files_with_tests(ROOT / place)}
     expected = {"pose_graph/test_gauss_newton", "association/test_dirichlet_process", "methods/test_methods"}

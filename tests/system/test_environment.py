@@ -487,9 +487,9 @@ def run(command, folder, **more):
     return subprocess.run(command, cwd=folder, env=environ, capture_output=True, text=True, timeout=120)
 
 
-def call(root, *arguments):
+def call(root, *arguments, **more):
     # -S hides site-packages, as on a bare machine: packaging cannot be imported.
-    return run([sys.executable, "-S", "-m", "npslam_teach", *arguments], root)
+    return run([sys.executable, "-S", "-m", "npslam_teach", *arguments], root, **more)
 
 
 def test_foreign_packages_are_those_of_other_folders(tmp_path, monkeypatch):
@@ -501,9 +501,31 @@ def test_foreign_packages_are_those_of_other_folders(tmp_path, monkeypatch):
     assert interpreter.foreign_packages(tmp_path) == []
 
 
+def tiny_wheel(folder):
+    """A package that pip can install without the network."""
+    with zipfile.ZipFile(folder / "tiny-1.0-py3-none-any.whl", "w") as wheel:
+        wheel.writestr("tiny.py", "")
+        wheel.writestr("tiny-1.0.dist-info/METADATA", "Metadata-Version: 2.1\nName: tiny\nVersion: 1.0\n")
+        wheel.writestr("tiny-1.0.dist-info/WHEEL", "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n")
+        wheel.writestr("tiny-1.0.dist-info/RECORD", "tiny.py,,\ntiny-1.0.dist-info/METADATA,,\n")
+
+
+@pytest.fixture
+def elsewhere(tmp_path):
+    """What the user has told pip: to install to another place, in all the ways there are; and where packages are."""
+    tiny_wheel(tmp_path)
+    (tmp_path / "pip.conf").write_text(f"[install]\nprefix = {tmp_path / 'prefix'}\nroot = {tmp_path / 'root'}\n")
+    more = {"PIP_CONFIG_FILE": tmp_path / "pip.conf", "PIP_TARGET": tmp_path / "target", "PIP_FIND_LINKS": tmp_path}
+    return {name: str(value) for name, value in more.items()}
+
+
 @pytest.mark.slow
-def test_from_a_bare_machine_to_an_exit_code(copy):
-    first = call(copy, "solve", "a b.npz", "--json")
+def test_from_a_bare_machine_to_an_exit_code(copy, elsewhere):
+    """Another place in the configuration of pip is overruled, or tiny would not be found."""
+    (copy / "environment.txt").write_text("pip\ntiny\n")
+    around = {path.name for path in copy.parent.iterdir()}
+    first = call(copy, "solve", "a b.npz", "--json", **elsewhere)
+    assert {path.name for path in copy.parent.iterdir()} == around
     assert first.returncode == 7 and "about a minute" in first.stderr
     assert json.loads(first.stdout) == [
         ["solve", "a b.npz", "--json"],
@@ -533,26 +555,6 @@ def test_from_a_bare_machine_to_an_exit_code(copy):
     assert (offline.returncode, offline.stdout) == (2, "")
     assert_one_sentence(offline.stderr)
     assert not env.Environment(moved).stamp.exists()
-
-
-def tiny_wheel(folder):
-    """A package that pip can install without the network."""
-    with zipfile.ZipFile(folder / "tiny-1.0-py3-none-any.whl", "w") as wheel:
-        wheel.writestr("tiny.py", "")
-        wheel.writestr("tiny-1.0.dist-info/METADATA", "Metadata-Version: 2.1\nName: tiny\nVersion: 1.0\n")
-        wheel.writestr("tiny-1.0.dist-info/WHEEL", "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n")
-        wheel.writestr("tiny-1.0.dist-info/RECORD", "tiny.py,,\ntiny-1.0.dist-info/METADATA,,\n")
-
-
-@pytest.mark.slow
-def test_another_place_in_the_configuration_of_pip_is_overruled(copy, tmp_path):
-    tiny_wheel(tmp_path)
-    (copy / "environment.txt").write_text("pip\ntiny\n")
-    (tmp_path / "pip.conf").write_text(f"[install]\nprefix = {tmp_path / 'prefix'}\nroot = {tmp_path / 'root'}\n")
-    more = {"PIP_CONFIG_FILE": tmp_path / "pip.conf", "PIP_TARGET": tmp_path / "target", "PIP_FIND_LINKS": tmp_path}
-    done = run([sys.executable, "-S", "-m", "npslam_teach", "lab"], copy, **{k: str(v) for k, v in more.items()})
-    assert done.returncode == 7, done.stderr
-    assert {path.name for path in tmp_path.iterdir()} == {"pip.conf", "tiny-1.0-py3-none-any.whl", copy.name}
 
 
 class Child:

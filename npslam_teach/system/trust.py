@@ -52,6 +52,9 @@ def _unchanged(root: Path) -> list[str]:
 
 def main() -> int:
     """Sign the lessons of the current folder and be JupyterLab."""
+    # To see whether a text is an IRI, which nothing here is, jsonschema imports this where it is installed, and that
+    # takes longer than half of all other modules.
+    sys.modules.setdefault("rfc3987_syntax", None)
     trust_committed(Path.cwd())
     from jupyterlab import labapp
 

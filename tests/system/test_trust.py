@@ -2,6 +2,7 @@
 
 import shutil
 import subprocess
+import sys
 
 import nbformat
 import pytest
@@ -94,3 +95,12 @@ def test_jupyterlab_starts_when_the_lessons_are_signed(course, monkeypatch):
     monkeypatch.setattr("jupyterlab.labapp.main", lambda: seen.append(is_trusted(lesson)) or 5)
     monkeypatch.chdir(course)
     assert trust.main() == 5 and seen == [True]
+
+
+def test_jupyterlab_starts_without_a_grammar_that_nobody_asks_for(tmp_path):
+    """A process of its own: here jsonschema has looked for it long ago."""
+    program = "import sys\nfrom npslam_teach.system import trust\ntrust.trust_committed = lambda root: None\n"
+    program += "class Lab: main = staticmethod(lambda: __import__('jsonschema') and 0)\n"
+    program += "import types; sys.modules['jupyterlab'] = types.SimpleNamespace(labapp=Lab)\n"
+    program += "sys.exit(trust.main() or bool(sys.modules.get('rfc3987_syntax')))"
+    subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=True)
